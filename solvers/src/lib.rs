@@ -1,1 +1,4 @@
 //! placeholder
+
+#[doc(no_inline)]
+pub use num_complex::Complex64 as c64;

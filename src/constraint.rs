@@ -1,0 +1,189 @@
+//! What must hold: the constraint vocabulary of scenes.
+
+use crate::geometry::c64;
+use crate::index::{CharacterId, ObjectId};
+
+/// Weight of a soft constraint whose author gives none; over an interval, weight of each of its working frames.
+pub const DEFAULT_WEIGHT: f64 = 10.0;
+
+/// A named instant of one character's track. It follows the frame it names through stringing and every discrete edit.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Moment {
+    /// Whose.
+    pub character: CharacterId,
+    /// Which frame.
+    pub instant: Instant,
+    /// As people read and write it: `ann/slap:hit`.
+    pub name: String,
+}
+
+/// Frame that a moment names.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Instant {
+    /// First frame of the track.
+    TrackStart,
+    /// Last frame of the track.
+    TrackEnd,
+    /// First frame on the track of the clip at position `.0` of the character's `track` list.
+    ClipStart(usize),
+    /// Last frame on the track of the clip at position `.0` of the character's `track` list.
+    ClipEnd(usize),
+    /// A frame of the clip at position `entry` of the character's `track` list.
+    Frame {
+        /// Position in the `track` list, from 0.
+        entry: usize,
+        /// Working frame of that clip (`WorkingClip::working_frame` of the file's frame), a fraction where rates differ.
+        working: f64,
+    },
+}
+
+/// When a constraint holds.
+#[derive(Clone, Debug, PartialEq)]
+pub enum When {
+    /// At one moment.
+    At(Moment),
+    /// From the first moment to the second, both of one character.
+    During(Moment, Moment),
+}
+
+/// How strongly a constraint holds.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Strength {
+    /// Exactly.
+    Hard,
+    /// As a spring of this weight, energy `½·w·|residual|²`; at an instant in all, over an interval per working frame.
+    Soft(f64),
+}
+
+impl Default for Strength {
+    fn default() -> Self {
+        Self::Soft(DEFAULT_WEIGHT)
+    }
+}
+
+/// Whom a relative constraint refers to.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Partner {
+    /// Another character, at a moment (or over an interval) of its own.
+    Character(When),
+    /// An object.
+    Object(ObjectId),
+}
+
+/// A quantity of a relative constraint.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Relation<T> {
+    /// This value.
+    Given(T),
+    /// The value before the edit, sample by sample over an interval.
+    AsBefore,
+    /// Not held.
+    Free,
+}
+
+/// What must hold.
+#[derive(Clone, Debug, PartialEq)]
+pub enum ConstraintKind {
+    /// Where somebody is, and how they face.
+    Pin {
+        /// When.
+        when: When,
+        /// Ground plan, metres.
+        position: Option<c64>,
+        /// Body facing, radians.
+        facing: Option<f64>,
+    },
+    /// Where somebody is, and how they face, relative to somebody else or to an object.
+    Relative {
+        /// When; an interval needs an interval of the partner.
+        when: When,
+        /// To whom.
+        partner: Partner,
+        /// Ahead + i·left of the partner's body (or object) facing, metres.
+        offset: Relation<c64>,
+        /// Facing minus the partner's facing, radians.
+        facing: Relation<f64>,
+    },
+    /// When a moment happens.
+    Time {
+        /// Which.
+        at: Moment,
+        /// Scene time, seconds.
+        seconds: f64,
+    },
+    /// How long something takes.
+    Duration {
+        /// Beginning.
+        from: Moment,
+        /// End, of the same character.
+        to: Moment,
+        /// Time of `to` minus time of `from`, seconds.
+        seconds: f64,
+    },
+    /// Moments, or intervals, of several characters that happen together.
+    Sync {
+        /// Two or more, all instants or all intervals; each is tied to the first.
+        moments: Vec<When>,
+        /// Time of the first minus time of the second, seconds; 0 unless there are just two.
+        offset: f64,
+    },
+}
+
+/// One constraint of a scene.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Constraint {
+    /// Its author's name for it, or `pin[0]`, `sync[2]` … in the order of the file.
+    pub name: String,
+    /// Line of the scene file, from 1; 0 where the scene does not come from a file.
+    pub line: u32,
+    /// How strongly.
+    pub strength: Strength,
+    /// What.
+    pub kind: ConstraintKind,
+}
+
+impl When {
+    /// The character whose moment or interval this is.
+    pub fn character(&self) -> CharacterId {
+        match self {
+            Self::At(moment) | Self::During(moment, _) => moment.character,
+        }
+    }
+
+    /// The moments it names.
+    pub fn moments(&self) -> Vec<&Moment> {
+        match self {
+            Self::At(moment) => vec![moment],
+            Self::During(from, to) => vec![from, to],
+        }
+    }
+}
+
+impl ConstraintKind {
+    /// Name of the kind in scene files and reports.
+    pub fn keyword(&self) -> &'static str {
+        match self {
+            Self::Pin { .. } => "pin",
+            Self::Relative { .. } => "relative",
+            Self::Time { .. } => "time",
+            Self::Duration { .. } => "duration",
+            Self::Sync { .. } => "sync",
+        }
+    }
+
+    /// Every moment the constraint names, in the order of the file.
+    pub fn moments(&self) -> Vec<&Moment> {
+        match self {
+            Self::Pin { when, .. } => when.moments(),
+            Self::Relative {
+                when,
+                partner: Partner::Character(other),
+                ..
+            } => when.moments().into_iter().chain(other.moments()).collect(),
+            Self::Relative { when, .. } => when.moments(),
+            Self::Time { at, .. } => vec![at],
+            Self::Duration { from, to, .. } => vec![from, to],
+            Self::Sync { moments, .. } => moments.iter().flat_map(When::moments).collect(),
+        }
+    }
+}

@@ -1,0 +1,167 @@
+//! A body: joints in a tree, what each is for, and where they are in a pose.
+
+use glam::{DQuat, DVec3};
+
+use crate::geometry::c64;
+use crate::index::JointId;
+
+/// What a joint is for, whatever its file calls it.
+///
+/// Limb joints are named by the segment end they turn: `LeftHip` turns the thigh, `LeftKnee` the shank, `LeftFoot` the
+/// foot (it is the ankle), `LeftToe` the toes; `LeftShoulder` the upper arm, `LeftElbow` the forearm, `LeftHand` the hand
+/// (it is the wrist); `LeftClavicle` is the collar before the upper arm.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[expect(missing_docs, reason = "the names say it, the type's docs say the rule")]
+pub enum JointRole {
+    Pelvis,
+    Spine,
+    Chest,
+    Neck,
+    Head,
+    LeftClavicle,
+    LeftShoulder,
+    LeftElbow,
+    LeftHand,
+    RightClavicle,
+    RightShoulder,
+    RightElbow,
+    RightHand,
+    LeftHip,
+    LeftKnee,
+    LeftFoot,
+    LeftToe,
+    RightHip,
+    RightKnee,
+    RightFoot,
+    RightToe,
+}
+
+/// Axis of a rotation channel.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[expect(missing_docs, reason = "the three axes")]
+pub enum Axis {
+    X,
+    Y,
+    Z,
+}
+
+/// One joint of a skeleton.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Joint {
+    /// Name in the file, whole.
+    pub name: String,
+    /// `None` for the root only.
+    pub parent: Option<JointId>,
+    /// From the parent joint in the parent's axes at rest, metres. The root's is where the file has it; poses replace it.
+    pub offset: DVec3,
+    /// End of the last segment from this joint, in its own axes, metres, where the file gives one.
+    pub end_site: Option<DVec3>,
+    /// Order of the rotation channels in the file: the rotation is the product of the three in this order.
+    pub rotation_order: [Axis; 3],
+    /// What the joint is for; at most one joint per role. Helper joints have none.
+    pub role: Option<JointRole>,
+}
+
+/// Joints of a body; parents before children, the root at 0.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Skeleton {
+    /// At least one.
+    pub joints: Vec<Joint>,
+}
+
+/// Places of all joints at one instant.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Pose {
+    /// World position of the root, metres.
+    pub root: DVec3,
+    /// Rotation of each joint against its parent (the root's against the world).
+    pub rotations: Vec<DQuat>,
+    /// Offsets that differ from the skeleton's, for files that move joints against their parents; mostly empty.
+    pub offsets: Vec<(JointId, DVec3)>,
+}
+
+/// World position and rotation of one joint.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct JointFrame {
+    /// Metres.
+    pub position: DVec3,
+    /// From joint axes to world axes.
+    pub rotation: DQuat,
+}
+
+impl Skeleton {
+    /// The joint that has `role`.
+    pub fn joint_of(&self, role: JointRole) -> Option<JointId> {
+        self.joints
+            .iter()
+            .position(|joint| joint.role == Some(role))
+            .map(JointId::from_usize)
+    }
+
+    /// The joint called `name` in the file (the first, where names repeat).
+    pub fn joint_named(&self, name: &str) -> Option<JointId> {
+        self.joints
+            .iter()
+            .position(|joint| joint.name == name)
+            .map(JointId::from_usize)
+    }
+
+    /// The pose in which every rotation is none and the root stands where its offset says.
+    pub fn rest_pose(&self) -> Pose {
+        Pose {
+            root: self.joints[0].offset,
+            rotations: vec![DQuat::IDENTITY; self.joints.len()],
+            offsets: Vec::new(),
+        }
+    }
+
+    /// World frames of all joints in `pose`, parents first. Cost: linear in joints.
+    pub fn forward_kinematics(&self, pose: &Pose) -> Vec<JointFrame> {
+        let mut frames: Vec<JointFrame> = Vec::with_capacity(self.joints.len());
+        for (index, joint) in self.joints.iter().enumerate() {
+            let frame = match joint.parent {
+                None => JointFrame {
+                    position: pose.root,
+                    rotation: pose.rotations[0],
+                },
+                Some(parent) => {
+                    let above = frames[parent.as_usize()];
+                    let offset = pose.offset_of(JointId::from_usize(index)).unwrap_or(joint.offset);
+                    JointFrame {
+                        position: above.position + above.rotation * offset,
+                        rotation: above.rotation * pose.rotations[index],
+                    }
+                }
+            };
+            frames.push(frame);
+        }
+        frames
+    }
+
+    /// Same joints, parents, offsets (1e-6 m) and roles: tracks may mix clips of such skeletons.
+    pub fn matches(&self, other: &Self) -> bool {
+        self.joints.len() == other.joints.len()
+            && self
+                .joints
+                .iter()
+                .zip(&other.joints)
+                .skip(1)
+                .all(|(a, b)| a.name == b.name && a.parent == b.parent && a.offset.distance(b.offset) < 1e-6)
+    }
+}
+
+impl Pose {
+    /// Offset of `joint` where this pose has its own.
+    pub fn offset_of(&self, joint: JointId) -> Option<DVec3> {
+        self.offsets
+            .iter()
+            .find(|(moved, _)| *moved == joint)
+            .map(|(_, offset)| *offset)
+    }
+}
+
+/// Ground heading of a body from its two hip joints: `−i·(hip_left − hip_right)` in the plan. Its length is the width
+/// of the hips seen from above; short where the body lies on its side.
+pub fn facing_vector(hip_left: c64, hip_right: c64) -> c64 {
+    c64::new(0.0, -1.0) * (hip_left - hip_right)
+}
