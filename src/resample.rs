@@ -1,1 +1,126 @@
-//! To come.
+//! Poses of the edited track at any instant, and the edited motion on the scene's clock.
+//!
+//! A pose is sampled from its source at the source's own rate; the edit of the working path moves its root:
+//! `p̂_u + e^{iφ_u}(x_s − p_u)`. At rest every track starts at scene time 0; output frame k is at `τ₀ + k/fps`.
+
+use std::sync::Arc;
+
+use rayon::prelude::*;
+
+use crate::clip::Clip;
+use crate::edit::{Edit, EditedCharacter};
+use crate::geometry::{cis, plan_of, world_of, yaw};
+use crate::index::floor_index;
+use crate::path;
+use crate::scene::Scene;
+use crate::skeleton::Pose;
+use crate::track::Track;
+
+/// Clock ticks this near to an instant are at it, in ticks.
+const ON_TICK: f64 = 1e-6;
+
+/// The result on the scene's clock.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Resampled {
+    /// Scene time of output frame 0, seconds: 0, or a whole number of ticks below it.
+    pub start_time: f64,
+    /// Edited motion of each character, from output frame 0 to the character's last.
+    pub clips: Vec<Clip>,
+}
+
+/// Samples all characters of an edit on the scene's clock. Cost: linear in output frames and joints.
+pub fn resample(scene: &Scene, edit: &Edit) -> Resampled {
+    let start_tick = first_tick(scene, edit);
+    let sample = |(character, edited): (&crate::scene::Character, &EditedCharacter)| {
+        let track = &character.track;
+        let last = end_tick(scene.fps, edited.end_time(track)).max(start_tick);
+        let count = floor_index(last - start_tick) + 1;
+        let poses: Vec<Pose> =
+            (0..count).map(|k| edited.pose_at(track, (start_tick + k as f64) / scene.fps)).collect();
+        let skeleton = Arc::clone(&track.clips[0].clip.skeleton);
+        Clip::from_poses(&character.name, skeleton, scene.fps, &poses)
+    };
+    let pairs: Vec<_> = scene.characters.iter().zip(&edit.characters).collect();
+    Resampled { start_time: start_tick / scene.fps, clips: pairs.into_par_iter().map(sample).collect() }
+}
+
+/// Tick of output frame 0: the last one at or below both 0 and the earliest frame.
+fn first_tick(scene: &Scene, edit: &Edit) -> f64 {
+    let earliest = edit.characters.iter().map(|edited| edited.times[0]).fold(0.0, f64::min);
+    (earliest * scene.fps + ON_TICK).floor().min(0.0)
+}
+
+/// Last tick at or before `time`.
+fn end_tick(fps: f64, time: f64) -> f64 {
+    (time * fps + ON_TICK).floor()
+}
+
+/// Frame (a fraction) shown at `time`: held at the first frame before, and at `last` after. `times` rise.
+pub fn frame_at(times: &[f64], last: f64, time: f64) -> f64 {
+    if times.len() < 2 || time <= times[0] {
+        return 0.0;
+    }
+    let low = times.partition_point(|t| *t <= time).saturating_sub(1).min(times.len() - 2);
+    let share = (time - times[low]) / (times[low + 1] - times[low]);
+    (low as f64 + share).min(last)
+}
+
+/// Scene time at which a fractional frame is shown, seconds.
+pub fn time_of(times: &[f64], frame: f64) -> f64 {
+    let (low, high, share) = path::bracket(frame, times.len());
+    times[low] + share * (times[high] - times[low])
+}
+
+impl EditedCharacter {
+    /// Scene time of the last frame of the track, seconds.
+    pub fn end_time(&self, track: &Track) -> f64 {
+        time_of(&self.times, track.frame_count() as f64 - 1.0 + track.overhang())
+    }
+
+    /// Pose at a scene time, held before the first and after the last frame.
+    pub fn pose_at(&self, track: &Track, time: f64) -> Pose {
+        let last = track.frame_count() as f64 - 1.0 + track.overhang();
+        self.pose(track, snap(frame_at(&self.times, last, time)))
+    }
+
+    /// Edited pose at a fractional frame of the track.
+    pub fn pose(&self, track: &Track, frame: f64) -> Pose {
+        let mut pose = track.pose(frame);
+        let turn = self.turns.at(frame);
+        let detail = plan_of(pose.root) - path::at(&self.rest.positions, frame);
+        let place = path::at(&self.positions, frame) + cis(turn) * detail;
+        pose.root = world_of(place, pose.root.y);
+        pose.rotations[0] = yaw(turn) * pose.rotations[0];
+        pose
+    }
+}
+
+/// Frames within rounding of a whole frame are that frame.
+fn snap(frame: f64) -> f64 {
+    let whole = frame.round();
+    if (frame - whole).abs() < 1e-7 { whole } else { frame }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn warped_times_are_inverted_as_in_the_reference() {
+        let times = [0.0, 0.05, 0.08, 0.12, 0.2];
+        let expected = [0.0, 0.6667, 1.5556, 2.5, 3.1667, 3.5833, 4.0];
+        for (k, frame) in expected.into_iter().enumerate() {
+            let found = frame_at(&times, 4.0, k as f64 / 30.0);
+            assert!((found - frame).abs() < 5e-5, "output frame {k}: {found}");
+        }
+        assert_eq!(end_tick(30.0, 0.2), 6.0);
+    }
+
+    #[test]
+    fn poses_are_held_before_the_first_and_after_the_last_frame() {
+        let times = [1.0, 1.1, 1.2];
+        assert_eq!(frame_at(&times, 2.0, 0.0), 0.0);
+        assert_eq!(frame_at(&times, 2.0, 9.0), 2.0);
+        assert_eq!(frame_at(&times, 2.5, 1.25), 2.5);
+    }
+}

@@ -59,3 +59,11 @@ impl WorkingClip {
         self.clip.sample(self.source_frame(working))
     }
 }
+
+impl WorkingClip {
+    /// Stub.
+    pub fn facing(&self, working: f64) -> f64 {
+        let (a, b, s) = (working.floor() as usize, working.ceil() as usize, working.fract());
+        self.headings[a] * (1.0 - s) + self.headings[b.min(self.headings.len() - 1)] * s
+    }
+}

@@ -1,0 +1,506 @@
+//! The editor: built once per set of constraints, solved many times while targets move.
+
+use rayon::prelude::*;
+
+use crate::constraint::{ConstraintKind, Relation, Strength};
+use crate::edit::energy::{Energy, Extent, length};
+use crate::edit::error::{EditError, Named};
+use crate::edit::expand::{expand, retarget};
+use crate::edit::facing::Turns;
+use crate::edit::hold::{HeldRow, Phase, Place, Prepared};
+use crate::edit::settings::{FacingMode, SpatialSettings};
+use crate::edit::spatial::{SpatialComponent, SpatialError};
+use crate::edit::temporal::{StepBounds, TemporalComponent, TemporalError, TemporalSettings, TimeRow};
+use crate::geometry::c64;
+use crate::index::ConstraintId;
+use crate::path::RestPath;
+use crate::scene::{Mode, Scene};
+
+use crate::clip::working::WORKING_STEP;
+
+/// Default bounds on time steps in production mode, as multiples of the rest step.
+const DEFAULT_BOUNDS: StepBounds = StepBounds { min: 0.5, max: 2.0 };
+
+/// Where a constraint's target is dragged to.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Target {
+    /// Ground point of a pin, metres.
+    Position(c64),
+    /// Facing of a pin, or relative facing, radians.
+    Facing(f64),
+    /// Offset of a relative constraint, ahead + i·left, metres.
+    Offset(c64),
+    /// Time, duration, or offset of a synchronisation, seconds.
+    Seconds(f64),
+}
+
+/// What the user should know about an edit that succeeded.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum EditNote {
+    /// Other hard constraints imply this one, or part of it.
+    Redundant(Named),
+    /// A stationary stretch could not stay rigid: hard constraints pull it apart.
+    Released {
+        /// Whose.
+        character: String,
+        /// First and last working frame of the stretch.
+        frames: (usize, usize),
+    },
+    /// The path turned over, and the facing was interpolated (or could not be).
+    Flip {
+        /// Whose.
+        character: String,
+        /// First and last working frame.
+        frames: (usize, usize),
+        /// Whether the facing was interpolated.
+        repaired: bool,
+    },
+    /// Some time steps stand at their bounds.
+    StepsAtBound {
+        /// How many.
+        steps: usize,
+    },
+}
+
+impl std::fmt::Display for EditNote {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::Redundant(named) => write!(f, "{named} says in part what other hard constraints say already"),
+            Self::Released { character, frames: (first, last) } => {
+                write!(f, "{character} stands at frames {first}–{last}, but hard constraints pull this stretch apart")
+            }
+            Self::Flip { character, frames: (first, last), repaired: true } => {
+                write!(f, "the path of {character} folds back at frames {first}–{last}; the facing passes over it")
+            }
+            Self::Flip { character, frames: (first, last), repaired: false } => {
+                write!(f, "the facing of {character} jumps at frames {first}–{last}, where the path folds back")
+            }
+            Self::StepsAtBound { steps } => write!(f, "{steps} time steps stand at their bounds"),
+        }
+    }
+}
+
+/// Motion path and times of one character after the edit.
+#[derive(Clone, Debug, PartialEq)]
+pub struct EditedCharacter {
+    /// Before the edit.
+    pub rest: RestPath,
+    /// Ground position of each working frame after the edit, metres.
+    pub positions: Vec<c64>,
+    /// Turn of the body against rest.
+    pub turns: Turns,
+    /// Scene time of each working frame, seconds; rising.
+    pub times: Vec<f64>,
+}
+
+/// Result of a solve.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Edit {
+    /// As in the scene.
+    pub characters: Vec<EditedCharacter>,
+    /// Terms of Ê.
+    pub energy: Energy,
+    /// What the user should know.
+    pub notes: Vec<EditNote>,
+}
+
+/// Edits one scene: everything that depends only on the constraint set is computed when it is built; a drag step is
+/// substitutions and passes over the frames.
+pub struct Editor {
+    scene: Scene,
+    settings: SpatialSettings,
+    edit: Edit,
+    spatial: Vec<Group<SpatialComponent>>,
+    temporal: Vec<Group<TemporalComponent>>,
+    /// Component and place in it of each spatial row.
+    held: Vec<(usize, usize)>,
+    /// Component and place in it of each temporal row.
+    times: Vec<(usize, usize)>,
+}
+
+/// A component, the characters in it, and whether coefficients changed since it was factored.
+struct Group<C> {
+    characters: Vec<usize>,
+    stale: bool,
+    component: C,
+}
+
+impl Editor {
+    /// Builds and factors all systems of `scene`. Cost: linear in frames and characters, cubic in the characters of one
+    /// connected group.
+    ///
+    /// # Errors
+    /// [`EditError::Solver`] where a system cannot be factored.
+    pub fn new(scene: Scene) -> Result<Self, EditError> {
+        let settings = SpatialSettings::of(scene.mode);
+        let rests: Vec<RestPath> = scene.characters.par_iter().map(|character| character.track.rest_path()).collect();
+        let expansion = expand(&scene, &rests);
+        let (spatial, held) = spatial_groups(&scene, &rests, &expansion.held, settings)?;
+        let (temporal, times) = temporal_groups(&scene, &rests, &expansion.times)?;
+        let characters = rests.into_iter().map(|rest| EditedCharacter {
+            positions: rest.positions.clone(),
+            turns: Turns { along_path: vec![0.0; rest.len()], ..Turns::default() },
+            times: (0..rest.len()).map(|frame| frame as f64 * WORKING_STEP).collect(),
+            rest,
+        });
+        let edit = Edit { characters: characters.collect(), energy: Energy::default(), notes: Vec::new() };
+        Ok(Self { scene, settings, edit, spatial, temporal, held, times })
+    }
+
+    /// The scene, with its targets as they are now.
+    pub fn scene(&self) -> &Scene {
+        &self.scene
+    }
+
+    /// Moves the target of a constraint. The next [`Editor::solve`] follows; the systems stay factored, but for a moved
+    /// offset between characters, which is a coefficient of its row.
+    ///
+    /// # Errors
+    /// [`EditError::NotFinite`], or [`EditError::NoSuchTarget`] where the constraint holds nothing of that kind.
+    pub fn move_target(&mut self, constraint: ConstraintId, target: Target) -> Result<(), EditError> {
+        let entry = &mut self.scene.constraints[constraint.as_usize()];
+        let named = Named { name: entry.name.clone(), line: entry.line };
+        let finite = match target {
+            Target::Position(point) | Target::Offset(point) => point.is_finite(),
+            Target::Facing(value) | Target::Seconds(value) => value.is_finite(),
+        };
+        if !finite {
+            return Err(EditError::NotFinite(named));
+        }
+        match (&mut entry.kind, target) {
+            (ConstraintKind::Pin { position: Some(position), .. }, Target::Position(point)) => *position = point,
+            (ConstraintKind::Pin { facing: Some(facing), .. }, Target::Facing(angle)) => *facing = angle,
+            (ConstraintKind::Relative { offset: Relation::Given(offset), .. }, Target::Offset(point)) => {
+                *offset = point;
+            }
+            (ConstraintKind::Relative { facing: Relation::Given(facing), .. }, Target::Facing(angle)) => {
+                *facing = angle;
+            }
+            (
+                ConstraintKind::Time { seconds, .. }
+                | ConstraintKind::Duration { seconds, .. }
+                | ConstraintKind::Sync { offset: seconds, .. },
+                Target::Seconds(value),
+            ) => *seconds = value,
+            (_, target) => return Err(EditError::NoSuchTarget(named, target.name())),
+        }
+        self.retarget(constraint, target);
+        Ok(())
+    }
+
+    fn retarget(&mut self, constraint: ConstraintId, target: Target) {
+        let kind = &self.scene.constraints[constraint.as_usize()].kind;
+        for (group, row) in &self.held {
+            let group = &mut self.spatial[*group];
+            let held = &mut group.component.held[*row].row;
+            if held.constraint == constraint {
+                group.stale |= retarget(held, kind, &self.scene.objects);
+            }
+        }
+        if let Target::Seconds(seconds) = target {
+            for (group, row) in &self.times {
+                let row = &mut self.temporal[*group].component.rows[*row];
+                if row.constraint == constraint {
+                    row.seconds = seconds;
+                }
+            }
+        }
+    }
+
+    /// Solves times, then paths, for the present targets. Cost: linear in frames.
+    ///
+    /// # Errors
+    /// Contradicting hard constraints, hard times that the bounds do not allow, or a solver that gives up; the result of
+    /// the last solve that succeeded is lost.
+    pub fn solve(&mut self) -> Result<&Edit, EditError> {
+        self.edit.notes.clear();
+        self.solve_times()?;
+        self.solve_paths()?;
+        self.update_turns();
+        self.update_energy();
+        Ok(&self.edit)
+    }
+
+    fn solve_times(&mut self) -> Result<(), EditError> {
+        let results: Vec<Result<(), TemporalError>> =
+            self.temporal.par_iter_mut().map(|group| group.component.solve()).collect();
+        for (group, result) in self.temporal.iter().zip(results) {
+            result.map_err(|error| time_error(&self.scene, &group.characters, error))?;
+            for (times, character) in group.component.times.iter().zip(&group.characters) {
+                self.edit.characters[*character].times.clone_from(times);
+                if let Some(frame) = times.windows(2).position(|pair| pair[1] <= pair[0]) {
+                    let character = self.scene.characters[*character].name.clone();
+                    return Err(EditError::BackwardTime { character, frame });
+                }
+            }
+            let redundant = group.component.redundant();
+            self.edit.notes.extend(redundant.into_iter().map(|id| EditNote::Redundant(named(&self.scene, id))));
+            if group.component.active_steps > 0 {
+                self.edit.notes.push(EditNote::StepsAtBound { steps: group.component.active_steps });
+            }
+        }
+        Ok(())
+    }
+
+    fn solve_paths(&mut self) -> Result<(), EditError> {
+        let solve = |group: &mut Group<SpatialComponent>| {
+            if std::mem::take(&mut group.stale) {
+                group.component.refactor()?;
+            }
+            group.component.solve()
+        };
+        let results: Vec<Result<(), SpatialError>> = self.spatial.par_iter_mut().map(solve).collect();
+        for (group, result) in self.spatial.iter().zip(results) {
+            result.map_err(|error| space_error(&self.scene, &group.characters, error))?;
+            for (edited, character) in group.component.edited.iter().zip(&group.characters) {
+                self.edit.characters[*character].positions.clone_from(edited);
+            }
+            let redundant = group.component.redundant();
+            self.edit.notes.extend(redundant.into_iter().map(|id| EditNote::Redundant(named(&self.scene, id))));
+            for (path, run) in &group.component.released {
+                self.edit.notes.push(EditNote::Released {
+                    character: self.scene.characters[group.characters[*path]].name.clone(),
+                    frames: group.component.rests[*path].rigid[*run],
+                });
+            }
+        }
+        Ok(())
+    }
+
+    /// Turns of all bodies, and in the blended mode what held facings still need.
+    fn update_turns(&mut self) {
+        for group in &self.spatial {
+            let component = &group.component;
+            for (path, character) in group.characters.iter().enumerate() {
+                let edited = &mut self.edit.characters[*character];
+                let pinned: Vec<usize> = pinned_frames(component, path);
+                edited.turns.update(
+                    &component.rests[path],
+                    &component.edited[path],
+                    &component.factors[path],
+                    self.settings.facing,
+                    &pinned,
+                );
+                if self.settings.facing == FacingMode::TangentBlend {
+                    edited.turns.correct(held_turns(component, path));
+                }
+                let name = &self.scene.characters[*character].name;
+                self.edit.notes.extend(edited.turns.flips.iter().map(|flip| EditNote::Flip {
+                    character: name.clone(),
+                    frames: (flip.first, flip.last),
+                    repaired: flip.repaired,
+                }));
+            }
+        }
+    }
+
+    fn update_energy(&mut self) {
+        let mut sums = (0.0, 0.0, 0.0);
+        for group in &self.spatial {
+            let energy = group.component.energy;
+            sums.0 += energy.shape + energy.shape_soft;
+            sums.1 += energy.scale + energy.scale_soft;
+        }
+        for group in &self.temporal {
+            sums.2 += group.component.energy.0 + group.component.energy.1;
+        }
+        let extents: Vec<Extent> = self.edit.characters.iter().map(extent).collect();
+        self.edit.energy = Energy::new(sums.0, sums.1, sums.2, &extents, self.scene.mode);
+    }
+}
+
+impl Target {
+    fn name(self) -> &'static str {
+        match self {
+            Self::Position(_) => "position",
+            Self::Facing(_) => "facing",
+            Self::Offset(_) => "offset",
+            Self::Seconds(_) => "time",
+        }
+    }
+}
+
+fn extent(character: &EditedCharacter) -> Extent {
+    let last = character.times.len() - 1;
+    Extent {
+        length: (length(&character.rest.positions), length(&character.positions)),
+        seconds: (last as f64 * WORKING_STEP, character.times[last] - character.times[0]),
+    }
+}
+
+/// Frames of a path whose direction is held; no repair of turned-over tangents crosses them.
+fn pinned_frames(component: &SpatialComponent, path: usize) -> Vec<usize> {
+    let held = component.held.iter().map(|prepared| prepared.row.hold);
+    held.filter(|hold| hold.is_direction() && hold.at().path == path)
+        .map(|hold| crate::index::floor_index(hold.at().frame))
+        .collect()
+}
+
+/// Frames of a path whose facing the shape phase decides, with the turn it gives; hard rows first.
+fn held_turns(component: &SpatialComponent, path: usize) -> Vec<(f64, f64)> {
+    let mut turns: Vec<(bool, f64, f64)> = Vec::new();
+    for (prepared, rotations) in component.held.iter().zip(&component.rotations) {
+        let HeldRow { hold, strength, .. } = prepared.row;
+        let soft = strength != Strength::Hard;
+        let matters = |place: Place| hold.is_direction() || place.detail != c64::default();
+        let at = hold.at();
+        if at.path == path && matters(at) {
+            turns.push((soft, at.frame, rotations.at.arg()));
+        }
+        if let Some(to) = hold.to().filter(|to| to.path == path) {
+            turns.push((soft, to.frame, rotations.to.arg()));
+        }
+    }
+    turns.sort_by_key(|(soft, _, _)| *soft);
+    turns.into_iter().map(|(_, frame, turn)| (frame, turn)).collect()
+}
+
+fn named(scene: &Scene, constraint: ConstraintId) -> Named {
+    let constraint = &scene.constraints[constraint.as_usize()];
+    Named { name: constraint.name.clone(), line: constraint.line }
+}
+
+fn names_of(scene: &Scene, characters: &[usize]) -> String {
+    characters.iter().map(|c| scene.characters[*c].name.as_str()).collect::<Vec<_>>().join(", ")
+}
+
+fn space_error(scene: &Scene, characters: &[usize], error: SpatialError) -> EditError {
+    match error {
+        SpatialError::Conflict { constraints, miss } => {
+            EditError::Conflict { constraints: constraints.into_iter().map(|id| named(scene, id)).collect(), miss }
+        }
+        SpatialError::Solver(phase, source) => {
+            let system = if phase == Phase::Shape { "shape" } else { "scale" };
+            EditError::Solver { system, characters: names_of(scene, characters), source }
+        }
+    }
+}
+
+fn time_error(scene: &Scene, characters: &[usize], error: TemporalError) -> EditError {
+    let names = |constraints: Vec<ConstraintId>| constraints.into_iter().map(|id| named(scene, id)).collect();
+    match error {
+        TemporalError::Conflict { constraints, miss } => {
+            EditError::TimeConflict { constraints: names(constraints), miss }
+        }
+        TemporalError::Infeasible { constraints, deficit } => {
+            let bounds = step_bounds(scene).unwrap_or(DEFAULT_BOUNDS);
+            EditError::InfeasibleTimes {
+                constraints: names(constraints),
+                deficit,
+                min_step: bounds.min,
+                max_step: bounds.max,
+            }
+        }
+        TemporalError::Solver(source) => {
+            EditError::Solver { system: "time", characters: names_of(scene, characters), source }
+        }
+        TemporalError::Bounds(source) => EditError::Bounds { characters: names_of(scene, characters), source },
+    }
+}
+
+/// Bounds on steps that hold in `scene`.
+fn step_bounds(scene: &Scene) -> Option<StepBounds> {
+    let default = (scene.mode == Mode::Production).then_some(DEFAULT_BOUNDS);
+    match (scene.warp.min_step, scene.warp.max_step, default) {
+        (None, None, default) => default,
+        (min, max, default) => Some(StepBounds {
+            min: min.or(default.map(|bounds| bounds.min)).unwrap_or(1e-6),
+            max: max.or(default.map(|bounds| bounds.max)).unwrap_or(1e6),
+        }),
+    }
+}
+
+/// Groups of characters that `links` connect, each group and the list of groups rising.
+fn connected(count: usize, links: impl IntoIterator<Item = (usize, usize)>) -> Vec<Vec<usize>> {
+    let mut leader: Vec<usize> = (0..count).collect();
+    fn find(leader: &mut [usize], mut item: usize) -> usize {
+        while leader[item] != item {
+            leader[item] = leader[leader[item]];
+            item = leader[item];
+        }
+        item
+    }
+    for (a, b) in links {
+        let (a, b) = (find(&mut leader, a), find(&mut leader, b));
+        leader[a.max(b)] = a.min(b);
+    }
+    let mut groups: Vec<Vec<usize>> = vec![Vec::new(); count];
+    for item in 0..count {
+        let root = find(&mut leader, item);
+        groups[root].push(item);
+    }
+    groups.retain(|group| !group.is_empty());
+    groups
+}
+
+/// Group, and place in it, of each of `count` characters.
+fn places(groups: &[Vec<usize>], count: usize) -> Vec<(usize, usize)> {
+    let mut places = vec![(0, 0); count];
+    for (group, characters) in groups.iter().enumerate() {
+        for (place, character) in characters.iter().enumerate() {
+            places[*character] = (group, place);
+        }
+    }
+    places
+}
+
+type Grouped<C> = Result<(Vec<Group<C>>, Vec<(usize, usize)>), EditError>;
+
+fn spatial_groups(
+    scene: &Scene,
+    rests: &[RestPath],
+    held: &[HeldRow],
+    settings: SpatialSettings,
+) -> Grouped<SpatialComponent> {
+    let links = held.iter().filter_map(|row| row.hold.to().map(|to| (row.hold.at().path, to.path)));
+    let groups = connected(rests.len(), links);
+    let places = places(&groups, rests.len());
+    let mut rows: Vec<Vec<Prepared>> = vec![Vec::new(); groups.len()];
+    let mut index = Vec::with_capacity(held.len());
+    for row in held {
+        let prepared = Prepared::new(*row, rests, settings.baseline);
+        let group = places[row.hold.at().path].0;
+        index.push((group, rows[group].len()));
+        rows[group].push(prepared.renumbered(|path| places[path].1));
+    }
+    let build = |(characters, held): (Vec<usize>, Vec<Prepared>)| {
+        let rests = characters.iter().map(|character| rests[*character].clone()).collect();
+        match SpatialComponent::new(rests, held, settings) {
+            Ok(component) => Ok(Group { characters, stale: false, component }),
+            Err(error) => Err(space_error(scene, &characters, error)),
+        }
+    };
+    let built: Vec<Result<Group<SpatialComponent>, EditError>> =
+        groups.into_iter().zip(rows).collect::<Vec<_>>().into_par_iter().map(build).collect();
+    Ok((built.into_iter().collect::<Result<Vec<_>, _>>()?, index))
+}
+
+fn temporal_groups(scene: &Scene, rests: &[RestPath], rows: &[TimeRow]) -> Grouped<TemporalComponent> {
+    let links = rows.iter().filter_map(|row| row.minus.map(|minus| (row.at.track, minus.track)));
+    let groups = connected(rests.len(), links);
+    let places = places(&groups, rests.len());
+    let mut own: Vec<Vec<TimeRow>> = vec![Vec::new(); groups.len()];
+    let mut index = Vec::with_capacity(rows.len());
+    for row in rows {
+        let mut row = *row;
+        let group = places[row.at.track].0;
+        row.at.track = places[row.at.track].1;
+        if let Some(minus) = &mut row.minus {
+            minus.track = places[minus.track].1;
+        }
+        index.push((group, own[group].len()));
+        own[group].push(row);
+    }
+    let settings = TemporalSettings { bounds: step_bounds(scene), ..TemporalSettings::default() };
+    let build = |(characters, rows): (Vec<usize>, Vec<TimeRow>)| {
+        let counts = characters.iter().map(|character| rests[*character].len()).collect();
+        match TemporalComponent::new(counts, rows, settings) {
+            Ok(component) => Ok(Group { characters, stale: false, component }),
+            Err(error) => Err(time_error(scene, &characters, error)),
+        }
+    };
+    let built: Vec<Result<Group<TemporalComponent>, EditError>> =
+        groups.into_iter().zip(own).collect::<Vec<_>>().into_par_iter().map(build).collect();
+    Ok((built.into_iter().collect::<Result<Vec<_>, _>>()?, index))
+}

@@ -1,0 +1,96 @@
+//! Why an edit has no answer.
+
+use cotillion_solvers::{BoundsError, KktError};
+
+/// A constraint as its author knows it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Named {
+    /// Its name.
+    pub name: String,
+    /// Line of the scene file, from 1; 0 where there is none.
+    pub line: u32,
+}
+
+impl std::fmt::Display for Named {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self.line {
+            0 => write!(f, "\"{}\"", self.name),
+            line => write!(f, "\"{}\" (line {line})", self.name),
+        }
+    }
+}
+
+/// Why an edit has no answer.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum EditError {
+    /// Hard constraints on places or facings contradict each other.
+    #[error("constraints {} contradict each other: they miss by {miss:.6} m", list(.constraints))]
+    Conflict {
+        /// Which, in the order of the scene.
+        constraints: Vec<Named>,
+        /// By how much, metres (of the direction vector, where facings clash).
+        miss: f64,
+    },
+    /// Hard constraints on times contradict each other.
+    #[error("constraints {} contradict each other: they miss by {miss:.6} s", list(.constraints))]
+    TimeConflict {
+        /// Which, in the order of the scene.
+        constraints: Vec<Named>,
+        /// By how much, seconds.
+        miss: f64,
+    },
+    /// Hard times cannot be met with the bounds on time steps.
+    #[error(
+        "constraints {} cannot be met with time steps between {min_step} and {max_step} of the original: {deficit:.6} s are missing",
+        list(.constraints)
+    )]
+    InfeasibleTimes {
+        /// The constraints on the cycle, in the order of the scene.
+        constraints: Vec<Named>,
+        /// How many seconds are missing.
+        deficit: f64,
+        /// Smallest step, as a multiple of the rest step.
+        min_step: f64,
+        /// Largest step, as a multiple of the rest step.
+        max_step: f64,
+    },
+    /// Without bounds, a time track can run backwards; then no motion shows it.
+    #[error("the time of {character} runs backwards at frame {frame} of its track; bound it with [warp] min_step")]
+    BackwardTime {
+        /// Whose.
+        character: String,
+        /// Where it turns.
+        frame: usize,
+    },
+    /// The bounded time problem could not be solved.
+    #[error("the time steps of {characters} could not be kept in bounds")]
+    Bounds {
+        /// The characters in it.
+        characters: String,
+        /// What the solver says.
+        #[source]
+        source: BoundsError,
+    },
+    /// A target that is not a number.
+    #[error("the target of {0} is not a finite number")]
+    NotFinite(Named),
+    /// A target of another kind than the constraint.
+    #[error("{0} has no {1} that could be moved")]
+    NoSuchTarget(Named, &'static str),
+    /// The linear system could not be solved.
+    #[error("the {system} system of {characters} could not be solved")]
+    Solver {
+        /// `shape`, `scale` or `time`.
+        system: &'static str,
+        /// The characters in it.
+        characters: String,
+        /// What the solver says.
+        #[source]
+        source: KktError,
+    },
+}
+
+fn list(constraints: &[Named]) -> String {
+    constraints.iter().map(Named::to_string).collect::<Vec<_>>().join(" and ")
+}

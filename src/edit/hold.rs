@@ -1,0 +1,344 @@
+//! Spatial constraints at single instants, as exact complex rows. Source: Kim et al. 2009, eqs. 1, 2 and 4.
+
+use crate::constraint::Strength;
+use crate::edit::settings::RelativeMode;
+use crate::geometry::{c64, cis};
+use crate::index::ConstraintId;
+use crate::path::{self, RestPath, bracket};
+
+/// Standing chords shorter than this are widened, metres.
+const SHORTEST_CHORD: f64 = 1e-3;
+
+/// One instant of one character.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Place {
+    /// Path, by position in the list of rest paths.
+    pub path: usize,
+    /// Frame, a fraction where rates differ.
+    pub frame: f64,
+    /// Facing of the body there at rest, radians.
+    pub heading: f64,
+    /// Root of the sampled rest pose minus the path's polyline there, metres; 0 at whole frames.
+    pub detail: c64,
+}
+
+/// What must hold at an instant.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Hold {
+    /// Somebody is at a ground point.
+    Position {
+        /// Who and when.
+        at: Place,
+        /// Metres.
+        target: c64,
+    },
+    /// Somebody's body looks along a heading.
+    Facing {
+        /// Who and when.
+        at: Place,
+        /// Radians.
+        heading: f64,
+    },
+    /// Somebody is at an offset from somebody else.
+    Offset {
+        /// Who and when.
+        at: Place,
+        /// From whom, and when there.
+        to: Place,
+        /// Ahead + i·left of the partner's body facing, metres.
+        offset: c64,
+    },
+    /// Somebody faces at an angle to somebody else's facing.
+    RelativeFacing {
+        /// Who and when.
+        at: Place,
+        /// Whose facing counts, and when.
+        to: Place,
+        /// Own facing minus the partner's, radians.
+        angle: f64,
+    },
+}
+
+/// A hold of a constraint, with the strength of this one row.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct HeldRow {
+    /// Which constraint of the scene.
+    pub constraint: ConstraintId,
+    /// Hard, or the weight of this row.
+    pub strength: Strength,
+    /// What.
+    pub hold: Hold,
+}
+
+/// The two edits of a path, in order: its shape up to similarity, then its size.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Phase {
+    /// Phase 1, eq. 3.
+    Shape,
+    /// Phase 2, eq. 7.
+    Scale,
+}
+
+/// The vector that stands for a body's direction at an instant: `scale · (p_to − p_from)`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Direction {
+    /// Frame of its tail, a fraction where the instant is one.
+    pub from: f64,
+    /// Frame of its tip.
+    pub to: f64,
+    /// 1, or 2 at the ends of a path.
+    pub scale: f64,
+    /// Its value at rest, metres.
+    pub rest: c64,
+    /// Whether it is the chord of a stationary stretch.
+    pub in_run: bool,
+}
+
+/// A coefficient of a row: path, frame, factor.
+pub type Term = (usize, usize, c64);
+
+/// A held row with the directions of its places, found once per rest path.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Prepared {
+    /// The row.
+    pub row: HeldRow,
+    /// Direction at the instant held.
+    pub at: Option<Direction>,
+    /// Direction at the partner's instant.
+    pub to: Option<Direction>,
+}
+
+impl Hold {
+    /// The instant held.
+    pub fn at(&self) -> Place {
+        match self {
+            Self::Position { at, .. }
+            | Self::Facing { at, .. }
+            | Self::Offset { at, .. }
+            | Self::RelativeFacing { at, .. } => *at,
+        }
+    }
+
+    /// The partner's instant.
+    pub fn to(&self) -> Option<Place> {
+        match self {
+            Self::Position { .. } | Self::Facing { .. } => None,
+            Self::Offset { to, .. } | Self::RelativeFacing { to, .. } => Some(*to),
+        }
+    }
+
+    /// Whether a direction is held rather than a position.
+    pub fn is_direction(&self) -> bool {
+        matches!(self, Self::Facing { .. } | Self::RelativeFacing { .. })
+    }
+}
+
+/// Finds the direction at the fractional frame `frame` of `rest`: the central tangent; where that is shorter than
+/// `baseline`, the chord of the smallest wider window; inside a stationary stretch its longest chord. `None` where the
+/// path has no extent there.
+pub fn direction_at(rest: &RestPath, frame: f64, baseline: f64) -> Option<Direction> {
+    if let Some(run) = rest.rigid_at(frame) {
+        let chord = run_chord(rest, run);
+        if chord.rest.norm() >= SHORTEST_CHORD.min(baseline) {
+            return Some(chord);
+        }
+    }
+    let last = (rest.len() - 1) as f64;
+    if last < 1.0 {
+        return None;
+    }
+    let end = last.max(frame);
+    let central = match frame {
+        f if f < 1.0 => (f, f + 1.0, 2.0),
+        f if f > end - 1.0 => (f - 1.0, f, 2.0),
+        f => (f - 1.0, f + 1.0, 1.0),
+    };
+    let make = |(from, to, scale): (f64, f64, f64)| Direction {
+        from,
+        to,
+        scale,
+        rest: scale * (path::at(&rest.positions, to) - path::at(&rest.positions, from)),
+        in_run: false,
+    };
+    let tangent = make(central);
+    if tangent.rest.norm() >= baseline && tangent.rest.norm() > 0.0 {
+        return Some(tangent);
+    }
+    let mut reach = 1.0;
+    while reach <= end {
+        let wide = make(((frame - reach).max(0.0), (frame + reach).min(end), 1.0));
+        if wide.rest.norm() >= baseline && wide.rest.norm() > 0.0 {
+            return Some(wide);
+        }
+        reach += 1.0;
+    }
+    None
+}
+
+/// The longest chord from the first frame of a stationary stretch.
+fn run_chord(rest: &RestPath, (first, last): (usize, usize)) -> Direction {
+    let length = |k: usize| (rest.positions[k] - rest.positions[first]).norm();
+    let mut tip = first;
+    for k in first..=last {
+        if length(k) > length(tip) {
+            tip = k;
+        }
+    }
+    Direction {
+        from: first as f64,
+        to: tip as f64,
+        scale: 1.0,
+        rest: rest.positions[tip] - rest.positions[first],
+        in_run: true,
+    }
+}
+
+impl Direction {
+    /// Value on the path `points`.
+    pub fn on(&self, points: &[c64]) -> c64 {
+        self.scale * (path::at(points, self.to) - path::at(points, self.from))
+    }
+
+    /// Unit rotation from rest to the path `points`; none where it collapses.
+    pub fn rotation(&self, points: &[c64]) -> c64 {
+        let z = self.on(points) / self.rest;
+        if z.norm() < 1e-9 { c64::new(1.0, 0.0) } else { z / z.norm() }
+    }
+
+    /// Appends `factor` times this vector.
+    fn add(&self, terms: &mut Vec<Term>, path: usize, count: usize, factor: c64) {
+        add_point(terms, path, self.to, count, factor * self.scale);
+        add_point(terms, path, self.from, count, -factor * self.scale);
+    }
+}
+
+/// Appends `factor` times the point at a fractional frame.
+fn add_point(terms: &mut Vec<Term>, path: usize, frame: f64, count: usize, factor: c64) {
+    let (low, high, share) = bracket(frame, count);
+    if share != 1.0 {
+        terms.push((path, low, factor * (1.0 - share)));
+    }
+    if share != 0.0 {
+        terms.push((path, high, factor * share));
+    }
+}
+
+/// Unit rotations of a row's two places in the shape phase, or of bodies that have no direction.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Rotations {
+    /// At the instant held.
+    pub at: c64,
+    /// At the partner's instant.
+    pub to: c64,
+}
+
+impl Prepared {
+    /// Finds the directions of `row`.
+    pub fn new(row: HeldRow, rests: &[RestPath], baseline: f64) -> Self {
+        let find = |place: Place| direction_at(&rests[place.path], place.frame, baseline);
+        Self { row, at: find(row.hold.at()), to: row.hold.to().and_then(find) }
+    }
+
+    /// The same row with other numbers for its paths.
+    pub fn renumbered(mut self, number: impl Fn(usize) -> usize) -> Self {
+        match &mut self.row.hold {
+            Hold::Position { at, .. } | Hold::Facing { at, .. } => at.path = number(at.path),
+            Hold::Offset { at, to, .. } | Hold::RelativeFacing { at, to, .. } => {
+                at.path = number(at.path);
+                to.path = number(to.path);
+            }
+        }
+        self
+    }
+
+    /// Whether the row binds anything in `phase`. A body without extent has no direction, and the direction of a
+    /// stationary stretch is decided in the shape phase.
+    pub fn binds(&self, phase: Phase, runs_are_rigid: bool) -> bool {
+        match (self.row.hold.is_direction(), self.at) {
+            (false, _) => true,
+            (true, None) => false,
+            (true, Some(direction)) => !(phase == Phase::Scale && runs_are_rigid && direction.in_run),
+        }
+    }
+
+    /// Whether coefficients of the partner's direction appear in the row (else its rotation appears in the target).
+    fn follows_partner(&self, phase: Phase, mode: RelativeMode) -> bool {
+        phase == Phase::Shape || mode == RelativeMode::TangentScaled
+    }
+
+    /// Left side of the row; `counts`: frames of each path.
+    pub fn terms(&self, phase: Phase, mode: RelativeMode, counts: &[usize]) -> Vec<Term> {
+        let mut terms = Vec::with_capacity(8);
+        let one = c64::new(1.0, 0.0);
+        let follows = self.follows_partner(phase, mode);
+        let mut point = |place: Place, direction: Option<Direction>, factor: c64| {
+            add_point(&mut terms, place.path, place.frame, counts[place.path], factor);
+            if let (true, Some(direction)) = (follows && place.detail != c64::default(), direction) {
+                let share = factor * place.detail / direction.rest;
+                direction.add(&mut terms, place.path, counts[place.path], share);
+            }
+        };
+        match self.row.hold {
+            Hold::Position { at, .. } => point(at, self.at, one),
+            Hold::Facing { at, .. } => {
+                if let Some(direction) = self.at {
+                    direction.add(&mut terms, at.path, counts[at.path], one);
+                }
+            }
+            Hold::Offset { at, to, offset } => {
+                point(at, self.at, one);
+                point(to, self.to, -one);
+                if let (true, Some(partner)) = (follows, self.to) {
+                    let share = -offset * cis(to.heading) / partner.rest;
+                    partner.add(&mut terms, to.path, counts[to.path], share);
+                }
+            }
+            Hold::RelativeFacing { at, to, angle } => {
+                if let Some(own) = self.at {
+                    own.add(&mut terms, at.path, counts[at.path], one);
+                    if let (true, Some(partner)) = (follows, self.to) {
+                        let share = -own.rest / partner.rest * cis(to.heading + angle - at.heading);
+                        partner.add(&mut terms, to.path, counts[to.path], share);
+                    }
+                }
+            }
+        }
+        terms
+    }
+
+    /// Right side of the row, given the rotations of its places.
+    pub fn target(&self, phase: Phase, mode: RelativeMode, rotations: Rotations) -> c64 {
+        let follows = self.follows_partner(phase, mode);
+        let detail = |place: Place, direction: Option<Direction>, rotation: c64| {
+            if follows && direction.is_some() { c64::default() } else { rotation * place.detail }
+        };
+        match self.row.hold {
+            Hold::Position { at, target } => target - detail(at, self.at, rotations.at),
+            Hold::Facing { at, heading } => {
+                self.at.map_or(c64::default(), |own| own.rest * cis(heading - at.heading))
+            }
+            Hold::Offset { at, to, offset } => {
+                let own = if follows && self.to.is_some() {
+                    c64::default()
+                } else {
+                    offset * cis(to.heading) * rotations.to
+                };
+                own - detail(at, self.at, rotations.at) + detail(to, self.to, rotations.to)
+            }
+            Hold::RelativeFacing { at, to, angle } => match self.at {
+                Some(own) if !(follows && self.to.is_some()) => {
+                    own.rest * cis(to.heading + angle - at.heading) * rotations.to
+                }
+                _ => c64::default(),
+            },
+        }
+    }
+
+    /// What a soft row is divided by, so that its weight counts metres or radians: 1, or the length of its own direction.
+    pub fn soft_scale(&self) -> f64 {
+        match (self.row.hold.is_direction(), self.at) {
+            (true, Some(direction)) => 1.0 / direction.rest.norm(),
+            _ => 1.0,
+        }
+    }
+}

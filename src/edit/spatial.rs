@@ -1,0 +1,485 @@
+//! Shape, then scale: the two-phase edit of the paths of one connected group of characters.
+//!
+//! Everything that depends only on rest paths and on which frames are constrained is computed once; a solve is
+//! right-hand sides, substitutions and one pass over the frames. Source: Kim et al. 2009, §4.1–4.2, in the forms that
+//! the module docs of `assemble`, `hold` and `gauge` give.
+
+use cotillion_solvers::{Dependency, Factor, KktError, KktForm, Workspace, analyse, analyse_rank};
+
+use crate::edit::assemble::{PhaseSystem, Source, TargetRule, assemble};
+use crate::edit::hold::{Hold, Phase, Prepared, Rotations, Term};
+use crate::edit::settings::{RunMode, SpatialSettings};
+use crate::geometry::{c64, cis};
+use crate::index::ConstraintId;
+use crate::path::{RestPath, SegmentFactors};
+
+/// Dependent hard rows agree if they miss by no more than this, relative to the larger of 1 m and their targets.
+const AGREEMENT: f64 = 1e-9;
+
+/// Energies of the two phases, m².
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct SpatialEnergy {
+    /// `½‖M p̄ − m‖²` of the shape rows.
+    pub shape: f64,
+    /// … of the soft constraints in the shape phase.
+    pub shape_soft: f64,
+    /// … of the scale rows.
+    pub scale: f64,
+    /// … of the soft constraints in the scale phase.
+    pub scale_soft: f64,
+}
+
+/// Why a group of characters has no edit.
+#[derive(Debug, PartialEq)]
+pub enum SpatialError {
+    /// Hard rows contradict each other by `miss` metres.
+    Conflict {
+        /// Constraints of these rows.
+        constraints: Vec<ConstraintId>,
+        /// Metres.
+        miss: f64,
+    },
+    /// The solver gave up.
+    Solver(Phase, KktError),
+}
+
+/// One connected group of characters with its factored systems and its present result.
+pub struct SpatialComponent {
+    /// Rest paths.
+    pub rests: Vec<RestPath>,
+    /// Held rows; places name paths of this component. Targets may change, structure may not.
+    pub held: Vec<Prepared>,
+    /// Stationary stretches that had to give up their rigidity: path, position in its list.
+    pub released: Vec<(usize, usize)>,
+    /// Paths after the shape phase.
+    pub shaped: Vec<Vec<c64>>,
+    /// Segment factors of the shape phase.
+    pub factors: Vec<SegmentFactors>,
+    /// Paths after the scale phase.
+    pub edited: Vec<Vec<c64>>,
+    /// Rotations of the places of each held row in the shape phase.
+    pub rotations: Vec<Rotations>,
+    /// Energies of the present result.
+    pub energy: SpatialEnergy,
+    settings: SpatialSettings,
+    shape: PhaseSolver,
+    scale: PhaseSolver,
+    rescaled: Vec<Vec<c64>>,
+}
+
+/// One phase, factored, with the storage of its solves.
+struct PhaseSolver {
+    system: PhaseSystem,
+    factor: Factor<c64>,
+    workspace: Workspace<c64>,
+    dependent: Vec<Dependency<c64>>,
+    kept: Vec<usize>,
+    soft_targets: Vec<c64>,
+    all_hard_targets: Vec<c64>,
+    hard_targets: Vec<c64>,
+    x: Vec<c64>,
+}
+
+impl PhaseSolver {
+    fn new(
+        rests: &[RestPath],
+        held: &[Prepared],
+        phase: Phase,
+        settings: &SpatialSettings,
+        released: &[(usize, usize)],
+    ) -> Result<Self, KktError> {
+        let mut system = assemble(rests, held, phase, settings, released);
+        let rank = analyse_rank(&system.hard_rows);
+        system.keep_hard_rows(&rank.independent);
+        let factor = analyse(&system.problem, KktForm::Hachtel)?.factor(&system.problem)?;
+        Ok(Self {
+            workspace: factor.workspace(),
+            factor,
+            dependent: rank.dependent,
+            soft_targets: vec![c64::default(); system.soft.len()],
+            all_hard_targets: vec![c64::default(); system.hard.len()],
+            hard_targets: vec![c64::default(); rank.independent.len() + system.gauge.len()],
+            kept: rank.independent,
+            x: vec![c64::default(); system.columns.count],
+            system,
+        })
+    }
+
+    /// Fills the right-hand sides: `value` of each source, less the constants of its points.
+    fn set_targets(&mut self, value: impl Fn(&Source) -> c64, constant: impl Fn(usize, usize, usize) -> c64) {
+        let frames = &self.system.columns.frames;
+        let evaluate = |rule: &TargetRule| {
+            let own = |(path, frame, c): &Term| {
+                frames[*path][*frame].run.map_or(c64::default(), |run| c * constant(*path, *frame, run))
+            };
+            rule.scale * (value(&rule.source) - rule.constants.iter().map(own).sum::<c64>())
+        };
+        fill(&mut self.soft_targets, &self.system.soft, &evaluate);
+        fill(&mut self.all_hard_targets, &self.system.hard, &evaluate);
+        for (target, row) in self.hard_targets.iter_mut().zip(&self.kept) {
+            *target = self.all_hard_targets[*row];
+        }
+        let kept = self.kept.len();
+        fill(&mut self.hard_targets[kept..], &self.system.gauge, &evaluate);
+    }
+
+    /// Held rows of the first dependent hard row that contradicts the others, and by how much.
+    fn contradiction(&self) -> Option<(Vec<usize>, f64)> {
+        self.dependent.iter().find_map(|dependency| {
+            let miss = dependency.mismatch(&self.all_hard_targets);
+            let size = dependency
+                .combination
+                .iter()
+                .map(|(row, y)| (y * self.all_hard_targets[*row]).norm())
+                .fold(1.0, f64::max);
+            let rows = dependency.certificate();
+            (miss > AGREEMENT * size).then(|| (rows.into_iter().filter_map(|row| self.held_row(row)).collect(), miss))
+        })
+    }
+
+    fn held_row(&self, hard_row: usize) -> Option<usize> {
+        match self.system.hard[hard_row].source {
+            Source::Held(index) => Some(index),
+            Source::Interior { .. } | Source::Gauge(_) => None,
+        }
+    }
+
+    fn solve(&mut self) -> Result<(), KktError> {
+        self.factor
+            .solve_into(&self.soft_targets, &self.hard_targets, &mut self.x, &mut self.workspace)
+            .map(|_| ())
+    }
+
+    /// Energies of the interior rows and of the soft held rows.
+    fn energies(&self) -> (f64, f64) {
+        let (interior, all) = (self.system.interior, self.system.soft.len());
+        let energy = |rows| self.system.problem.energy_of_rows(rows, &self.x, &self.soft_targets);
+        (energy(0..interior), energy(interior..all))
+    }
+}
+
+fn fill(targets: &mut [c64], rules: &[TargetRule], evaluate: impl Fn(&TargetRule) -> c64) {
+    for (target, rule) in targets.iter_mut().zip(rules) {
+        *target = evaluate(rule);
+    }
+}
+
+/// What came of one attempt.
+enum Attempt {
+    Done,
+    Release(Vec<(usize, usize)>),
+}
+
+impl SpatialComponent {
+    /// Builds and factors both systems.
+    ///
+    /// # Errors
+    /// What the solver says of a matrix it cannot factor.
+    pub fn new(
+        rests: Vec<RestPath>,
+        held: Vec<Prepared>,
+        settings: SpatialSettings,
+    ) -> Result<Self, SpatialError> {
+        let (shape, scale) = factor_both(&rests, &held, &settings, &[])?;
+        let identity = Rotations { at: c64::new(1.0, 0.0), to: c64::new(1.0, 0.0) };
+        Ok(Self {
+            shaped: rests.iter().map(|rest| rest.positions.clone()).collect(),
+            edited: rests.iter().map(|rest| rest.positions.clone()).collect(),
+            rescaled: rests.iter().map(|rest| rest.positions.clone()).collect(),
+            factors: vec![SegmentFactors::default(); rests.len()],
+            rotations: vec![identity; held.len()],
+            energy: SpatialEnergy::default(),
+            released: Vec::new(),
+            rests,
+            held,
+            settings,
+            shape,
+            scale,
+        })
+    }
+
+    /// Factors anew after coefficients of held rows have changed (an offset, not a target).
+    ///
+    /// # Errors
+    /// As [`SpatialComponent::new`].
+    pub fn refactor(&mut self) -> Result<(), SpatialError> {
+        (self.shape, self.scale) = factor_both(&self.rests, &self.held, &self.settings, &self.released)?;
+        Ok(())
+    }
+
+    /// Solves both phases for the present targets. Cost: linear in frames.
+    ///
+    /// # Errors
+    /// [`SpatialError::Conflict`] where hard rows contradict each other; a stationary stretch that is the cause is
+    /// released first.
+    pub fn solve(&mut self) -> Result<(), SpatialError> {
+        loop {
+            match self.attempt()? {
+                Attempt::Done => return Ok(()),
+                Attempt::Release(runs) => {
+                    self.released.extend(runs);
+                    self.refactor()?;
+                }
+            }
+        }
+    }
+
+    fn attempt(&mut self) -> Result<Attempt, SpatialError> {
+        self.rest_rotations();
+        if let Some(release) = self.solve_shape()? {
+            return Ok(release);
+        }
+        if self.update_rotations() {
+            self.solve_shape()?;
+            self.update_rotations();
+        }
+        self.solve_scale().map(|release| release.unwrap_or(Attempt::Done))
+    }
+
+    /// Rotations before the shape phase, which only bodies without direction use: what a facing of their own says.
+    fn rest_rotations(&mut self) {
+        let facing = |path: usize| {
+            self.held.iter().find_map(|prepared| match prepared.row.hold {
+                Hold::Facing { at, heading } if at.path == path && prepared.at.is_none() => {
+                    Some(cis(heading - at.heading))
+                }
+                _ => None,
+            })
+        };
+        for (rotations, prepared) in self.rotations.iter_mut().zip(&self.held) {
+            rotations.at = facing(prepared.row.hold.at().path).unwrap_or(c64::new(1.0, 0.0));
+            rotations.to =
+                prepared.row.hold.to().and_then(|to| facing(to.path)).unwrap_or(c64::new(1.0, 0.0));
+        }
+    }
+
+    /// Rotations of all places on the shaped paths; whether a body without direction turned on the way.
+    fn update_rotations(&mut self) -> bool {
+        let mut turned = false;
+        for (rotations, prepared) in self.rotations.iter_mut().zip(&self.held) {
+            let hold = prepared.row.hold;
+            if let (Some(direction), Some(to)) = (prepared.to, hold.to()) {
+                rotations.to = direction.rotation(&self.shaped[to.path]);
+            }
+            match (prepared.at, hold) {
+                (Some(direction), _) => rotations.at = direction.rotation(&self.shaped[hold.at().path]),
+                (None, Hold::RelativeFacing { at, to, angle }) => {
+                    let own = cis(to.heading + angle - at.heading) * rotations.to;
+                    turned |= (own - rotations.at).norm() > 1e-12;
+                    rotations.at = own;
+                }
+                (None, _) => {}
+            }
+        }
+        turned && self.spread_still_rotations()
+    }
+
+    /// Gives partners without direction the rotation that a relative facing of their own decided.
+    fn spread_still_rotations(&mut self) -> bool {
+        let decided: Vec<(usize, c64)> = self
+            .held
+            .iter()
+            .zip(&self.rotations)
+            .filter(|(prepared, _)| prepared.at.is_none() && prepared.row.hold.is_direction())
+            .map(|(prepared, rotations)| (prepared.row.hold.at().path, rotations.at))
+            .collect();
+        let find = |path: usize| decided.iter().find(|(p, _)| *p == path).map(|(_, rotation)| *rotation);
+        let mut changed = false;
+        for (rotations, prepared) in self.rotations.iter_mut().zip(&self.held) {
+            if let (None, Some(rotation)) = (prepared.at, find(prepared.row.hold.at().path)) {
+                changed |= rotations.at != rotation;
+                rotations.at = rotation;
+            }
+            let partner = prepared.row.hold.to().filter(|_| prepared.to.is_none());
+            if let Some(rotation) = partner.and_then(|to| find(to.path)) {
+                changed |= rotations.to != rotation;
+                rotations.to = rotation;
+            }
+        }
+        changed
+    }
+
+    fn solve_shape(&mut self) -> Result<Option<Attempt>, SpatialError> {
+        let translation = self.best_translation();
+        let (held, rotations, rests) = (&self.held, &self.rotations, &self.rests);
+        let relative = self.settings.relative;
+        let gauge = &self.shape.system.gauge_terms;
+        let reference = |row: usize| -> c64 {
+            gauge[row].iter().map(|(path, frame, c)| c * (rests[*path].positions[*frame] + translation)).sum()
+        };
+        let targets: Vec<c64> = (0..gauge.len()).map(reference).collect();
+        let value = |source: &Source| match source {
+            Source::Interior { .. } => c64::default(),
+            Source::Held(index) => held[*index].target(Phase::Shape, relative, rotations[*index]),
+            Source::Gauge(row) => targets[*row],
+        };
+        self.shape.set_targets(value, |_, _, _| c64::default());
+        if let Some((rows, miss)) = self.shape.contradiction() {
+            return self.clash(&rows, miss).map(Some);
+        }
+        self.shape.solve().map_err(|error| SpatialError::Solver(Phase::Shape, error))?;
+        for (path, shaped) in self.shaped.iter_mut().enumerate() {
+            self.shape.system.columns.points(path, &self.shape.x, |_, _| c64::default(), shaped);
+            self.factors[path].update(&self.rests[path].positions, shaped);
+        }
+        (self.energy.shape, self.energy.shape_soft) = self.shape.energies();
+        Ok(None)
+    }
+
+    fn solve_scale(&mut self) -> Result<Option<Attempt>, SpatialError> {
+        self.rescale();
+        let run_rotations = self.run_rotations();
+        let (held, rotations, rests, rescaled) = (&self.held, &self.rotations, &self.rests, &self.rescaled);
+        let relative = self.settings.relative;
+        let gauge = &self.scale.system.gauge_terms;
+        let targets: Vec<c64> = gauge
+            .iter()
+            .map(|terms| terms.iter().map(|(path, frame, c)| c * rescaled[*path][*frame]).sum())
+            .collect();
+        let value = |source: &Source| match source {
+            Source::Interior { path, frame } => {
+                let points = &rescaled[*path];
+                points[frame + 1] - 2.0 * points[*frame] + points[frame - 1]
+            }
+            Source::Held(index) => held[*index].target(Phase::Scale, relative, rotations[*index]),
+            Source::Gauge(row) => targets[*row],
+        };
+        let run_constant = |path: usize, frame: usize, run: usize| {
+            let rest = &rests[path];
+            run_rotations[path][run] * (rest.positions[frame] - rest.positions[rest.rigid[run].0])
+        };
+        self.scale.set_targets(value, run_constant);
+        if let Some((rows, miss)) = self.scale.contradiction() {
+            return self.clash(&rows, miss).map(Some);
+        }
+        self.scale.solve().map_err(|error| SpatialError::Solver(Phase::Scale, error))?;
+        for (path, edited) in self.edited.iter_mut().enumerate() {
+            let constant = |frame, run| run_constant(path, frame, run);
+            self.scale.system.columns.points(path, &self.scale.x, constant, edited);
+        }
+        (self.energy.scale, self.energy.scale_soft) = self.scale.energies();
+        Ok(None)
+    }
+
+    /// Paths whose segments are those at rest, turned as in the shape phase, around the middle of the shaped path.
+    fn rescale(&mut self) {
+        for (path, rescaled) in self.rescaled.iter_mut().enumerate() {
+            let (rest, shaped) = (&self.rests[path], &self.shaped[path]);
+            rescaled[0] = c64::default();
+            for segment in 0..rest.len() - 1 {
+                let step = if rest.coincide(segment, segment + 1) {
+                    c64::default()
+                } else {
+                    rest.positions[segment + 1] - rest.positions[segment]
+                };
+                rescaled[segment + 1] = rescaled[segment] + step * self.factors[path].rotations[segment];
+            }
+            let count = rest.len() as f64;
+            let shift = (shaped.iter().sum::<c64>() - rescaled.iter().sum::<c64>()) / count;
+            rescaled.iter_mut().for_each(|point| *point += shift);
+        }
+    }
+
+    /// Unit rotation of every stationary stretch in the shape phase.
+    fn run_rotations(&self) -> Vec<Vec<c64>> {
+        let rotation = |path: usize, run: (usize, usize)| {
+            let (rest, shaped) = (&self.rests[path], &self.shaped[path]);
+            let chord = crate::edit::hold::direction_at(rest, run.0 as f64, 0.0).filter(|chord| chord.in_run);
+            match chord {
+                Some(chord) if chord.rest.norm() > 0.0 => chord.rotation(shaped),
+                _ => self.factors[path].rotations.get(run.0).copied().unwrap_or(c64::new(1.0, 0.0)),
+            }
+        };
+        let runs = |(path, rest): (usize, &RestPath)| rest.rigid.iter().map(|run| rotation(path, *run)).collect();
+        self.rests.iter().enumerate().map(runs).collect()
+    }
+
+    /// Mean displacement that pinned places ask for; none without pins. Hard ones alone count where there are any.
+    fn best_translation(&self) -> c64 {
+        let (mut sum, mut weight) = (c64::default(), 0.0);
+        for prepared in &self.held {
+            if let Hold::Position { at, target } = prepared.row.hold {
+                let own = match prepared.row.strength {
+                    crate::constraint::Strength::Hard => 1e6,
+                    crate::constraint::Strength::Soft(w) => w,
+                };
+                let rest = crate::path::at(&self.rests[at.path].positions, at.frame) + at.detail;
+                sum += (target - rest) * own;
+                weight += own;
+            }
+        }
+        if weight > 0.0 { sum / weight } else { c64::default() }
+    }
+
+    /// Releases the stationary stretches that the contradicting rows touch; without any, that is a conflict.
+    fn clash(&self, rows: &[usize], miss: f64) -> Result<Attempt, SpatialError> {
+        let mut runs: Vec<(usize, usize)> = Vec::new();
+        for row in rows {
+            let hold = self.held[*row].row.hold;
+            for place in std::iter::once(hold.at()).chain(hold.to()) {
+                let rest = &self.rests[place.path];
+                let touched = rest.rigid.iter().position(|(a, b)| *a as f64 <= place.frame && place.frame <= *b as f64);
+                runs.extend(touched.map(|run| (place.path, run)));
+            }
+        }
+        runs.retain(|run| !self.released.contains(run));
+        runs.sort_unstable();
+        runs.dedup();
+        if !runs.is_empty() && !self.clashes_without_runs(rows) {
+            return Ok(Attempt::Release(runs));
+        }
+        let mut constraints: Vec<ConstraintId> = rows.iter().map(|row| self.held[*row].row.constraint).collect();
+        constraints.sort_unstable();
+        constraints.dedup();
+        Err(SpatialError::Conflict { constraints, miss })
+    }
+
+    /// Whether rows would contradict each other even if every frame were free: two targets for one instant.
+    fn clashes_without_runs(&self, rows: &[usize]) -> bool {
+        let counts: Vec<usize> = self.rests.iter().map(RestPath::len).collect();
+        let columns = crate::edit::columns::Columns::new(
+            &self.rests.iter().map(|rest| RestPath { rigid: Vec::new(), ..rest.clone() }).collect::<Vec<_>>(),
+            Phase::Scale,
+            RunMode::Similar,
+            &[],
+        );
+        let mut matrix = cotillion_solvers::RowMatrix::new(columns.count);
+        for row in rows {
+            let terms = self.held[*row].terms(Phase::Shape, self.settings.relative, &counts);
+            let mut values = Vec::new();
+            columns.expand(&terms, &mut values, &mut Vec::new());
+            matrix.push_row(&values);
+        }
+        !analyse_rank(&matrix.to_csr()).dependent.is_empty()
+    }
+
+    /// Constraints with hard rows that others imply, in either phase.
+    pub fn redundant(&self) -> Vec<ConstraintId> {
+        let named = |solver: &PhaseSolver| {
+            let rows = solver.dependent.iter().filter_map(|dependency| solver.held_row(dependency.row));
+            rows.map(|row| self.held[row].row.constraint).collect::<Vec<_>>()
+        };
+        let mut constraints = named(&self.shape);
+        constraints.extend(named(&self.scale));
+        constraints.sort_unstable();
+        constraints.dedup();
+        constraints
+    }
+
+    /// Number of free motions that were fixed as at rest, in the shape and the scale phase.
+    pub fn gauges(&self) -> (usize, usize) {
+        (self.shape.system.gauge.len(), self.scale.system.gauge.len())
+    }
+}
+
+fn factor_both(
+    rests: &[RestPath],
+    held: &[Prepared],
+    settings: &SpatialSettings,
+    released: &[(usize, usize)],
+) -> Result<(PhaseSolver, PhaseSolver), SpatialError> {
+    let solver = |phase| {
+        PhaseSolver::new(rests, held, phase, settings, released).map_err(|error| SpatialError::Solver(phase, error))
+    };
+    Ok((solver(Phase::Shape)?, solver(Phase::Scale)?))
+}
