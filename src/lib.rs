@@ -12,6 +12,7 @@ pub mod index;
 pub mod metrics;
 pub mod path;
 pub mod resample;
+pub mod residual;
 pub mod scene;
 pub mod similarity;
 pub mod skeleton;

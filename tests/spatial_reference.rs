@@ -58,7 +58,7 @@ fn tied(rests: &[RestPath], (a, i): (usize, u32), (b, j): (usize, u32)) -> [Held
 
 fn build(rests: Vec<RestPath>, rows: &[HeldRow], settings: SpatialSettings) -> SpatialComponent {
     let held = rows.iter().map(|row| Prepared::new(*row, &rests, settings.baseline)).collect();
-    SpatialComponent::new(rests, held, settings).expect("the reference systems are regular")
+    SpatialComponent::new(rests, held, settings)
 }
 
 fn solved(rests: Vec<RestPath>, rows: &[HeldRow], settings: SpatialSettings) -> SpatialComponent {

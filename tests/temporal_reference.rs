@@ -36,7 +36,7 @@ fn bounds(min: f64, max: f64) -> TemporalSettings {
 }
 
 fn build(counts: &[usize], rows: Vec<TimeRow>, settings: TemporalSettings) -> TemporalComponent {
-    TemporalComponent::new(counts.to_vec(), rows, settings).expect("the reference systems are regular")
+    TemporalComponent::new(counts.to_vec(), rows, settings)
 }
 
 fn solved(counts: &[usize], rows: Vec<TimeRow>, settings: TemporalSettings) -> TemporalComponent {

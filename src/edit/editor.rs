@@ -119,25 +119,31 @@ pub struct Editor {
     times: Vec<(usize, usize)>,
 }
 
-/// A component, the characters in it, and whether coefficients changed since it was factored.
+/// A component and the characters in it.
 struct Group<C> {
     characters: Vec<usize>,
-    stale: bool,
     component: C,
 }
 
 impl Editor {
-    /// Builds and factors all systems of `scene`. Cost: linear in frames and characters, cubic in the characters of one
-    /// connected group.
+    /// Assembles and factors all systems of `scene`. Cost: linear in frames, cubic in the characters of one connected
+    /// group.
     ///
     /// # Errors
     /// [`EditError::Solver`] where a system cannot be factored.
     pub fn new(scene: Scene) -> Result<Self, EditError> {
+        let mut editor = Self::assemble(scene);
+        editor.factor()?;
+        Ok(editor)
+    }
+
+    /// The first half of [`Editor::new`]: all systems, not factored yet.
+    pub fn assemble(scene: Scene) -> Self {
         let settings = SpatialSettings::of(scene.mode);
         let rests: Vec<RestPath> = scene.characters.par_iter().map(|character| character.track.rest_path()).collect();
         let expansion = expand(&scene, &rests);
-        let (spatial, held) = spatial_groups(&scene, &rests, &expansion.held, settings)?;
-        let (temporal, times) = temporal_groups(&scene, &rests, &expansion.times)?;
+        let (spatial, held) = spatial_groups(&rests, &expansion.held, settings);
+        let (temporal, times) = temporal_groups(step_bounds(&scene), &rests, &expansion.times);
         let characters = rests.into_iter().map(|rest| EditedCharacter {
             positions: rest.positions.clone(),
             turns: Turns { along_path: vec![0.0; rest.len()], ..Turns::default() },
@@ -145,7 +151,23 @@ impl Editor {
             rest,
         });
         let edit = Edit { characters: characters.collect(), energy: Energy::default(), notes: Vec::new() };
-        Ok(Self { scene, settings, edit, spatial, temporal, held, times })
+        Self { scene, settings, edit, spatial, temporal, held, times }
+    }
+
+    /// The second half of [`Editor::new`]; [`Editor::solve`] does it where it was not done.
+    ///
+    /// # Errors
+    /// [`EditError::Solver`] where a system cannot be factored.
+    pub fn factor(&mut self) -> Result<(), EditError> {
+        let spatial: Vec<_> = self.spatial.par_iter_mut().map(|group| group.component.factor()).collect();
+        for (group, result) in self.spatial.iter().zip(spatial) {
+            result.map_err(|error| space_error(&self.scene, &group.characters, error))?;
+        }
+        let temporal: Vec<_> = self.temporal.par_iter_mut().map(|group| group.component.factor()).collect();
+        for (group, result) in self.temporal.iter().zip(temporal) {
+            result.map_err(|error| time_error(&self.scene, &group.characters, error))?;
+        }
+        Ok(())
     }
 
     /// The scene, with its targets as they are now.
@@ -191,13 +213,15 @@ impl Editor {
 
     fn retarget(&mut self, constraint: ConstraintId, target: Target) {
         let kind = &self.scene.constraints[constraint.as_usize()].kind;
+        let mut stale = Vec::new();
         for (group, row) in &self.held {
-            let group = &mut self.spatial[*group];
-            let held = &mut group.component.held[*row].row;
-            if held.constraint == constraint {
-                group.stale |= retarget(held, kind, &self.scene.objects);
+            let held = &mut self.spatial[*group].component.held[*row].row;
+            if held.constraint == constraint && retarget(held, kind, &self.scene.objects) {
+                stale.push(*group);
             }
         }
+        stale.dedup();
+        stale.into_iter().for_each(|group| self.spatial[group].component.reassemble());
         if let Target::Seconds(seconds) = target {
             for (group, row) in &self.times {
                 let row = &mut self.temporal[*group].component.rows[*row];
@@ -244,13 +268,8 @@ impl Editor {
     }
 
     fn solve_paths(&mut self) -> Result<(), EditError> {
-        let solve = |group: &mut Group<SpatialComponent>| {
-            if std::mem::take(&mut group.stale) {
-                group.component.refactor()?;
-            }
-            group.component.solve()
-        };
-        let results: Vec<Result<(), SpatialError>> = self.spatial.par_iter_mut().map(solve).collect();
+        let results: Vec<Result<(), SpatialError>> =
+            self.spatial.par_iter_mut().map(|group| group.component.solve()).collect();
         for (group, result) in self.spatial.iter().zip(results) {
             result.map_err(|error| space_error(&self.scene, &group.characters, error))?;
             for (edited, character) in group.component.edited.iter().zip(&group.characters) {
@@ -445,14 +464,10 @@ fn places(groups: &[Vec<usize>], count: usize) -> Vec<(usize, usize)> {
     places
 }
 
-type Grouped<C> = Result<(Vec<Group<C>>, Vec<(usize, usize)>), EditError>;
+/// Components, and the component and place in it of each row.
+type Grouped<C> = (Vec<Group<C>>, Vec<(usize, usize)>);
 
-fn spatial_groups(
-    scene: &Scene,
-    rests: &[RestPath],
-    held: &[HeldRow],
-    settings: SpatialSettings,
-) -> Grouped<SpatialComponent> {
+fn spatial_groups(rests: &[RestPath], held: &[HeldRow], settings: SpatialSettings) -> Grouped<SpatialComponent> {
     let links = held.iter().filter_map(|row| row.hold.to().map(|to| (row.hold.at().path, to.path)));
     let groups = connected(rests.len(), links);
     let places = places(&groups, rests.len());
@@ -465,18 +480,18 @@ fn spatial_groups(
         rows[group].push(prepared.renumbered(|path| places[path].1));
     }
     let build = |(characters, held): (Vec<usize>, Vec<Prepared>)| {
-        let rests = characters.iter().map(|character| rests[*character].clone()).collect();
-        match SpatialComponent::new(rests, held, settings) {
-            Ok(component) => Ok(Group { characters, stale: false, component }),
-            Err(error) => Err(space_error(scene, &characters, error)),
-        }
+        let own = characters.iter().map(|character| rests[*character].clone()).collect();
+        Group { characters, component: SpatialComponent::new(own, held, settings) }
     };
-    let built: Vec<Result<Group<SpatialComponent>, EditError>> =
-        groups.into_iter().zip(rows).collect::<Vec<_>>().into_par_iter().map(build).collect();
-    Ok((built.into_iter().collect::<Result<Vec<_>, _>>()?, index))
+    let pairs: Vec<_> = groups.into_iter().zip(rows).collect();
+    (pairs.into_par_iter().map(build).collect(), index)
 }
 
-fn temporal_groups(scene: &Scene, rests: &[RestPath], rows: &[TimeRow]) -> Grouped<TemporalComponent> {
+fn temporal_groups(
+    bounds: Option<StepBounds>,
+    rests: &[RestPath],
+    rows: &[TimeRow],
+) -> Grouped<TemporalComponent> {
     let links = rows.iter().filter_map(|row| row.minus.map(|minus| (row.at.track, minus.track)));
     let groups = connected(rests.len(), links);
     let places = places(&groups, rests.len());
@@ -492,15 +507,11 @@ fn temporal_groups(scene: &Scene, rests: &[RestPath], rows: &[TimeRow]) -> Group
         index.push((group, own[group].len()));
         own[group].push(row);
     }
-    let settings = TemporalSettings { bounds: step_bounds(scene), ..TemporalSettings::default() };
+    let settings = TemporalSettings { bounds, ..TemporalSettings::default() };
     let build = |(characters, rows): (Vec<usize>, Vec<TimeRow>)| {
         let counts = characters.iter().map(|character| rests[*character].len()).collect();
-        match TemporalComponent::new(counts, rows, settings) {
-            Ok(component) => Ok(Group { characters, stale: false, component }),
-            Err(error) => Err(time_error(scene, &characters, error)),
-        }
+        Group { characters, component: TemporalComponent::new(counts, rows, settings) }
     };
-    let built: Vec<Result<Group<TemporalComponent>, EditError>> =
-        groups.into_iter().zip(own).collect::<Vec<_>>().into_par_iter().map(build).collect();
-    Ok((built.into_iter().collect::<Result<Vec<_>, _>>()?, index))
+    let pairs: Vec<_> = groups.into_iter().zip(own).collect();
+    (pairs.into_par_iter().map(build).collect(), index)
 }

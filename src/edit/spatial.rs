@@ -70,8 +70,7 @@ pub struct SpatialComponent {
 /// One phase, factored, with the storage of its solves.
 struct PhaseSolver {
     system: PhaseSystem,
-    factor: Factor<c64>,
-    workspace: Workspace<c64>,
+    factor: Option<(Factor<c64>, Workspace<c64>)>,
     dependent: Vec<Dependency<c64>>,
     kept: Vec<usize>,
     soft_targets: Vec<c64>,
@@ -87,14 +86,12 @@ impl PhaseSolver {
         phase: Phase,
         settings: &SpatialSettings,
         released: &[(usize, usize)],
-    ) -> Result<Self, KktError> {
+    ) -> Self {
         let mut system = assemble(rests, held, phase, settings, released);
         let rank = analyse_rank(&system.hard_rows);
         system.keep_hard_rows(&rank.independent);
-        let factor = analyse(&system.problem, KktForm::Hachtel)?.factor(&system.problem)?;
-        Ok(Self {
-            workspace: factor.workspace(),
-            factor,
+        Self {
+            factor: None,
             dependent: rank.dependent,
             soft_targets: vec![c64::default(); system.soft.len()],
             all_hard_targets: vec![c64::default(); system.hard.len()],
@@ -102,7 +99,17 @@ impl PhaseSolver {
             kept: rank.independent,
             x: vec![c64::default(); system.columns.count],
             system,
-        })
+        }
+    }
+
+    /// Factors the system unless that is done.
+    fn factor(&mut self) -> Result<(), KktError> {
+        if self.factor.is_none() {
+            let factor = analyse(&self.system.problem, KktForm::Hachtel)?.factor(&self.system.problem)?;
+            let workspace = factor.workspace();
+            self.factor = Some((factor, workspace));
+        }
+        Ok(())
     }
 
     /// Fills the right-hand sides: `value` of each source, less the constants of its points.
@@ -145,9 +152,9 @@ impl PhaseSolver {
     }
 
     fn solve(&mut self) -> Result<(), KktError> {
-        self.factor
-            .solve_into(&self.soft_targets, &self.hard_targets, &mut self.x, &mut self.workspace)
-            .map(|_| ())
+        self.factor()?;
+        let Some((factor, workspace)) = &mut self.factor else { return Ok(()) };
+        factor.solve_into(&self.soft_targets, &self.hard_targets, &mut self.x, workspace).map(|_| ())
     }
 
     /// Energies of the interior rows and of the soft held rows.
@@ -171,18 +178,11 @@ enum Attempt {
 }
 
 impl SpatialComponent {
-    /// Builds and factors both systems.
-    ///
-    /// # Errors
-    /// What the solver says of a matrix it cannot factor.
-    pub fn new(
-        rests: Vec<RestPath>,
-        held: Vec<Prepared>,
-        settings: SpatialSettings,
-    ) -> Result<Self, SpatialError> {
-        let (shape, scale) = factor_both(&rests, &held, &settings, &[])?;
+    /// Assembles both systems. Cost: linear in frames, cubic in paths.
+    pub fn new(rests: Vec<RestPath>, held: Vec<Prepared>, settings: SpatialSettings) -> Self {
+        let [shape, scale] = assemble_both(&rests, &held, &settings, &[]);
         let identity = Rotations { at: c64::new(1.0, 0.0), to: c64::new(1.0, 0.0) };
-        Ok(Self {
+        Self {
             shaped: rests.iter().map(|rest| rest.positions.clone()).collect(),
             edited: rests.iter().map(|rest| rest.positions.clone()).collect(),
             rescaled: rests.iter().map(|rest| rest.positions.clone()).collect(),
@@ -195,16 +195,21 @@ impl SpatialComponent {
             settings,
             shape,
             scale,
-        })
+        }
     }
 
-    /// Factors anew after coefficients of held rows have changed (an offset, not a target).
+    /// Assembles anew after coefficients of held rows have changed (an offset, not a target).
+    pub fn reassemble(&mut self) {
+        [self.shape, self.scale] = assemble_both(&self.rests, &self.held, &self.settings, &self.released);
+    }
+
+    /// Factors both systems unless that is done; [`SpatialComponent::solve`] does it where it was not.
     ///
     /// # Errors
-    /// As [`SpatialComponent::new`].
-    pub fn refactor(&mut self) -> Result<(), SpatialError> {
-        (self.shape, self.scale) = factor_both(&self.rests, &self.held, &self.settings, &self.released)?;
-        Ok(())
+    /// What the solver says of a matrix it cannot factor.
+    pub fn factor(&mut self) -> Result<(), SpatialError> {
+        self.shape.factor().map_err(|error| SpatialError::Solver(Phase::Shape, error))?;
+        self.scale.factor().map_err(|error| SpatialError::Solver(Phase::Scale, error))
     }
 
     /// Solves both phases for the present targets. Cost: linear in frames.
@@ -218,7 +223,7 @@ impl SpatialComponent {
                 Attempt::Done => return Ok(()),
                 Attempt::Release(runs) => {
                     self.released.extend(runs);
-                    self.refactor()?;
+                    self.reassemble();
                 }
             }
         }
@@ -472,14 +477,11 @@ impl SpatialComponent {
     }
 }
 
-fn factor_both(
+fn assemble_both(
     rests: &[RestPath],
     held: &[Prepared],
     settings: &SpatialSettings,
     released: &[(usize, usize)],
-) -> Result<(PhaseSolver, PhaseSolver), SpatialError> {
-    let solver = |phase| {
-        PhaseSolver::new(rests, held, phase, settings, released).map_err(|error| SpatialError::Solver(phase, error))
-    };
-    Ok((solver(Phase::Shape)?, solver(Phase::Scale)?))
+) -> [PhaseSolver; 2] {
+    [Phase::Shape, Phase::Scale].map(|phase| PhaseSolver::new(rests, held, phase, settings, released))
 }

@@ -104,20 +104,16 @@ pub struct TemporalComponent {
     kept: Vec<usize>,
     dependent: Vec<Dependency<f64>>,
     problem: LeastSquares<f64>,
-    factor: Factor<f64>,
-    workspace: Workspace<f64>,
+    factor: Option<(Factor<f64>, Workspace<f64>)>,
     soft_targets: Vec<f64>,
     hard_targets: Vec<f64>,
     x: Vec<f64>,
 }
 
 impl TemporalComponent {
-    /// Builds and factors the system of a connected group of tracks; without an absolute time, the first frame of the
-    /// first track stays at 0.
-    ///
-    /// # Errors
-    /// What the solver says of a matrix it cannot factor.
-    pub fn new(counts: Vec<usize>, rows: Vec<TimeRow>, settings: TemporalSettings) -> Result<Self, TemporalError> {
+    /// Assembles the system of a connected group of tracks; without an absolute time, the first frame of the first track
+    /// stays at 0.
+    pub fn new(counts: Vec<usize>, rows: Vec<TimeRow>, settings: TemporalSettings) -> Self {
         let starts: Vec<usize> = counts
             .iter()
             .scan(0, |next, count| {
@@ -145,14 +141,11 @@ impl TemporalComponent {
         }
         let soft_matrix = soft_rows(&rows, &soft, &counts, &starts);
         let problem = LeastSquares { columns, soft: soft_matrix.to_csr(), hard: kept_matrix.to_csr() };
-        let factor = analyse(&problem, KktForm::Hachtel)
-            .and_then(|analysis| analysis.factor(&problem))
-            .map_err(TemporalError::Solver)?;
-        Ok(Self {
+        Self {
             times: counts.iter().map(|count| vec![0.0; *count]).collect(),
             energy: (0.0, 0.0),
             active_steps: 0,
-            workspace: factor.workspace(),
+            factor: None,
             soft_targets: vec![WORKING_STEP; problem.soft.rows()],
             hard_targets: vec![0.0; problem.hard.rows()],
             x: vec![0.0; columns],
@@ -166,8 +159,22 @@ impl TemporalComponent {
             hard,
             soft,
             problem,
-            factor,
-        })
+        }
+    }
+
+    /// Factors the system unless that is done; [`TemporalComponent::solve`] does it where it was not.
+    ///
+    /// # Errors
+    /// What the solver says of a matrix it cannot factor.
+    pub fn factor(&mut self) -> Result<(), TemporalError> {
+        if self.factor.is_none() {
+            let factor = analyse(&self.problem, KktForm::Hachtel)
+                .and_then(|analysis| analysis.factor(&self.problem))
+                .map_err(TemporalError::Solver)?;
+            let workspace = factor.workspace();
+            self.factor = Some((factor, workspace));
+        }
+        Ok(())
     }
 
     /// Solves for the present seconds. Cost: linear in frames, cubic in constrained frames where a bound is met.
@@ -184,8 +191,10 @@ impl TemporalComponent {
         for (target, kept) in self.hard_targets.iter_mut().zip(&self.kept) {
             *target = self.rows[self.hard[*kept]].seconds;
         }
-        self.factor
-            .solve_into(&self.soft_targets, &self.hard_targets, &mut self.x, &mut self.workspace)
+        self.factor()?;
+        let Some((factor, workspace)) = &mut self.factor else { return Ok(()) };
+        factor
+            .solve_into(&self.soft_targets, &self.hard_targets, &mut self.x, workspace)
             .map_err(TemporalError::Solver)?;
         for ((times, start), count) in self.times.iter_mut().zip(&self.starts).zip(&self.counts) {
             times.copy_from_slice(&self.x[*start..start + count]);

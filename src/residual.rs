@@ -1,0 +1,133 @@
+//! By how much the result misses each constraint: on the solved paths, and on the final motion at the moments themselves.
+
+use std::f64::consts::PI;
+
+use crate::clip::facing::facing;
+use crate::constraint::ConstraintKind;
+use crate::edit::expand::{Expansion, expand, frame_of};
+use crate::edit::hold::{Hold, Place};
+use crate::edit::temporal::TimePoint;
+use crate::edit::{Edit, EditedCharacter};
+use crate::geometry::{c64, cis, plan_of, wrap};
+use crate::path;
+use crate::resample::time_of;
+use crate::scene::Scene;
+
+/// What a constraint holds is missed by this much, the most over an interval.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Residual {
+    /// Places on the final motion, metres; `None` where no place is held.
+    pub position: Option<f64>,
+    /// Places on the solved path, metres.
+    pub path_position: Option<f64>,
+    /// Facings on the final motion, radians.
+    pub facing: Option<f64>,
+    /// Times, seconds.
+    pub seconds: Option<f64>,
+}
+
+/// A moment that some constraint names, and when it happens in the result.
+#[derive(Clone, Debug, PartialEq)]
+pub struct MomentTime {
+    /// As in the scene file.
+    pub name: String,
+    /// Scene time, seconds.
+    pub time: f64,
+}
+
+/// Where a body is and how it faces at an instant.
+#[derive(Clone, Copy)]
+struct Stance {
+    position: c64,
+    heading: f64,
+}
+
+/// Residuals of all constraints of a scene, in its order. Cost: linear in constraint samples.
+pub fn residuals(scene: &Scene, edit: &Edit) -> Vec<Residual> {
+    let rests: Vec<_> = edit.characters.iter().map(|character| character.rest.clone()).collect();
+    let Expansion { held, times } = expand(scene, &rests);
+    let mut residuals = vec![Residual::default(); scene.constraints.len()];
+    for row in held {
+        let own = &mut residuals[row.constraint.as_usize()];
+        let on_path = |place: Place| path_stance(&edit.characters[place.path], place);
+        let on_motion = |place: Place| motion_stance(scene, edit, place);
+        match miss(row.hold, on_motion) {
+            Miss::Metres(metres) => {
+                worst(&mut own.position, metres);
+                if let Miss::Metres(metres) = miss(row.hold, on_path) {
+                    worst(&mut own.path_position, metres);
+                }
+            }
+            Miss::Radians(radians) => worst(&mut own.facing, radians),
+        }
+    }
+    for row in times {
+        let time = |point: TimePoint| time_of(&edit.characters[point.track].times, point.frame);
+        let seconds = time(row.at) - row.minus.map_or(0.0, time) - row.seconds;
+        worst(&mut residuals[row.constraint.as_usize()].seconds, seconds.abs());
+    }
+    residuals
+}
+
+fn worst(known: &mut Option<f64>, value: f64) {
+    *known = Some(known.unwrap_or(0.0).max(value));
+}
+
+enum Miss {
+    Metres(f64),
+    Radians(f64),
+}
+
+fn miss(hold: Hold, stance: impl Fn(Place) -> Stance) -> Miss {
+    match hold {
+        Hold::Position { at, target } => Miss::Metres((stance(at).position - target).norm()),
+        Hold::Facing { at, heading } => Miss::Radians(wrap(stance(at).heading - heading).abs()),
+        Hold::Offset { at, to, offset } => {
+            let partner = stance(to);
+            let found = (stance(at).position - partner.position) * cis(-partner.heading);
+            Miss::Metres((found - offset).norm())
+        }
+        Hold::RelativeFacing { at, to, angle } => {
+            Miss::Radians(wrap(stance(at).heading - stance(to).heading - angle).abs())
+        }
+    }
+}
+
+fn path_stance(character: &EditedCharacter, place: Place) -> Stance {
+    let turn = character.turns.at(place.frame);
+    let position = path::at(&character.positions, place.frame) + cis(turn) * place.detail;
+    Stance { position, heading: place.heading + turn }
+}
+
+fn motion_stance(scene: &Scene, edit: &Edit, place: Place) -> Stance {
+    let track = &scene.characters[place.path].track;
+    let pose = edit.characters[place.path].pose(track, place.frame);
+    let skeleton = &track.clips[0].clip.skeleton;
+    let turned = place.heading + edit.characters[place.path].turns.at(place.frame);
+    let heading = facing(skeleton, &skeleton.forward_kinematics(&pose)).unwrap_or(turned);
+    Stance { position: plan_of(pose.root), heading }
+}
+
+/// Every moment that a constraint names, once, in the order of the scene, with its time in the result.
+pub fn moment_times(scene: &Scene, edit: &Edit) -> Vec<MomentTime> {
+    let mut moments: Vec<MomentTime> = Vec::new();
+    for moment in scene.constraints.iter().flat_map(|constraint| constraint.kind.moments()) {
+        if moments.iter().all(|known| known.name != moment.name) {
+            let times = &edit.characters[moment.character.as_usize()].times;
+            moments.push(MomentTime { name: moment.name.clone(), time: time_of(times, frame_of(scene, moment)) });
+        }
+    }
+    moments
+}
+
+/// Largest residual of a constraint in the unit of its kind: metres for places, radians where only a facing is held,
+/// seconds for times.
+pub fn largest(kind: &ConstraintKind, residual: &Residual) -> (f64, &'static str) {
+    match kind {
+        ConstraintKind::Pin { .. } | ConstraintKind::Relative { .. } => match residual.position {
+            Some(metres) => (metres, "m"),
+            None => (residual.facing.unwrap_or(0.0) * 180.0 / PI, "deg"),
+        },
+        _ => (residual.seconds.unwrap_or(0.0), "s"),
+    }
+}
