@@ -1,4 +1,59 @@
-//! placeholder
+//! Numbers under a motion editor: sparse least squares with hard equality rows, ranks, bounds, difference networks.
+//!
+//! # Which problem, which solver
+//!
+//! | problem | solver |
+//! |---|---|
+//! | `min ½‖M x − m‖²` s.t. `H x = h`, sparse, real or complex | [`analyse`], [`Analysis::factor`], [`Factor::solve_into`]: plan once per pattern, factor once per weights, solve for many targets. [`solve`] does all three |
+//! | which rows of `H` repeat or contradict others | [`analyse_rank`], before factoring: dependent rows make the factorisation fail |
+//! | what a few rows leave free | [`null_space`], dense |
+//! | `min ½xᵀGx − gᵀx` s.t. `A x = b`, `C x ≥ d`, dense, up to about a hundred unknowns | [`solve_bounded`] |
+//! | is there any `x` with `x_to − x_from` in given intervals, and how far can each node move | [`node_bounds`] |
+//!
+//! Rows are assembled with [`RowMatrix`]. Soft rows carry the root of their weight. Complex problems ([`c64`]) are for rows
+//! that are complex-linear: half the unknowns and a quarter of the entries of the stacked real system.
+//!
+//! Every solver either returns an answer whose residuals it has checked, or an error; none returns NaN. All are
+//! deterministic: the same input gives the same bytes, whatever the number of threads.
+//!
+//! ```
+//! use cotillion_solvers::{LeastSquares, RowMatrix, solve};
+//!
+//! // Three points as evenly spaced as possible, the first held at 0, the last drawn to 4.
+//! let mut soft = RowMatrix::new(3);
+//! soft.push_row(&[(0, -1.0), (1, 2.0), (2, -1.0)]);
+//! soft.push_row(&[(2, 1.0)]);
+//! let mut hard = RowMatrix::new(3);
+//! hard.push_row(&[(0, 1.0)]);
+//! let problem = LeastSquares { columns: 3, soft: soft.to_csr(), hard: hard.to_csr() };
+//! let solution = solve(&problem, &[0.0, 4.0], &[0.0])?;
+//! assert!((solution.x[1] - 2.0).abs() < 1e-12);
+//! # Ok::<(), cotillion_solvers::KktError>(())
+//! ```
 
-#[doc(no_inline)]
-pub use num_complex::Complex64 as c64;
+pub use bounds::{BoundMethod, BoundedQp, BoundedSolution, BoundsError, solve_bounded};
+pub use difference::{Difference, DifferenceError, NodeBounds, node_bounds};
+pub use error::{KktError, Solution, SolveReport};
+pub use kkt::{Analysis, Factor, KktForm, Workspace, analyse, solve};
+pub use least_squares::LeastSquares;
+pub use nalgebra::{DMatrix, DVector};
+pub use rank::{Dependency, RankReport, analyse_rank, null_space};
+pub use scalar::{Scalar, TwoPart};
+pub use sparse::{RowMatrix, multiply};
+pub use sprs::CsMat;
+
+mod bounds;
+mod difference;
+mod error;
+mod kkt;
+mod least_squares;
+mod lu;
+mod rank;
+mod refine;
+mod scalar;
+mod sparse;
+mod stretch;
+
+/// Complex number of two `f64`.
+#[allow(non_camel_case_types, reason = "written like f64, which it stands beside")]
+pub type c64 = num_complex::Complex64;
