@@ -3,7 +3,13 @@
 pub mod builtin;
 pub mod bvh;
 pub mod contacts;
+pub mod facing;
+pub mod flight;
+pub mod inspect;
+pub mod measure;
+pub mod roles;
 pub mod sample;
+pub mod stationary;
 pub mod working;
 
 use std::collections::BTreeMap;

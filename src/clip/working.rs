@@ -3,13 +3,19 @@
 use std::sync::Arc;
 
 use crate::clip::Clip;
-use crate::clip::contacts::FootContacts;
-use crate::geometry::c64;
-use crate::index::SourceFrame;
+use crate::clip::contacts::{ContactSettings, FootContacts, foot_contacts, sampled_frames};
+use crate::clip::facing::{facing, headings, turn_about_up};
+use crate::clip::flight::{FlightSettings, flight};
+use crate::clip::stationary::{StationarySettings, stationary};
+use crate::geometry::{c64, lerp_angle, plan_of, wrap};
+use crate::index::{SourceFrame, floor_index};
 use crate::skeleton::Pose;
 
 /// Seconds between working frames at rest, whatever the file's or the scene's rate.
 pub const WORKING_STEP: f64 = 1.0 / 30.0;
+
+/// Ranges shorter than this take the floors of the whole clip: they may not touch the ground at all. Working frames, 1 s.
+const SHORTEST_WITH_OWN_FLOOR: usize = 30;
 
 /// A range of a clip, sampled every [`WORKING_STEP`] from its first frame on.
 ///
@@ -39,6 +45,39 @@ pub struct WorkingClip {
 }
 
 impl WorkingClip {
+    /// Rest data of the file frames `first` to `last` of `clip`; `⌊(last − first)·30/fps⌋ + 1` working frames.
+    /// Cost: linear in frames times joints.
+    ///
+    /// # Panics
+    /// If the clip has no such frames.
+    pub fn new(name: &str, clip: Arc<Clip>, first: SourceFrame, last: SourceFrame) -> Self {
+        assert!(
+            first <= last && last.as_usize() < clip.frame_count(),
+            "the range of a clip is checked where it enters"
+        );
+        let step = clip.fps * WORKING_STEP;
+        let poses = sampled_frames(&clip, first, last, step);
+        let is_short = poses.len() < SHORTEST_WITH_OWN_FLOOR;
+        let whole = is_short.then(|| sampled_frames(&clip, clip.usable.0, clip.usable.1, step));
+        let floor_poses = whole.as_ref().unwrap_or(&poses);
+        let skeleton = &clip.skeleton;
+        let positions: Vec<c64> = poses.iter().map(|frames| plan_of(frames[0].position)).collect();
+        let contacts = foot_contacts(skeleton, &poses, floor_poses, &ContactSettings::default());
+        let overhang = f64::from(last.0 - first.0) / step - (poses.len() - 1) as f64;
+        Self {
+            name: name.to_owned(),
+            first,
+            last,
+            overhang: overhang.max(0.0),
+            headings: headings(skeleton, &poses),
+            flight: flight(skeleton, &poses, floor_poses, &FlightSettings::default()),
+            stationary: stationary(&positions, &contacts, &StationarySettings::default()),
+            positions,
+            contacts,
+            clip,
+        }
+    }
+
     /// Number of working frames.
     pub fn frame_count(&self) -> usize {
         self.positions.len()
@@ -57,6 +96,29 @@ impl WorkingClip {
     /// Pose at working frame `working`, a fraction: sampled at the file's own rate.
     pub fn pose(&self, working: f64) -> Pose {
         self.clip.sample(self.source_frame(working))
+    }
+
+    /// Facing of the pose shown at working frame `working`, a fraction, radians, on the branch nearest to
+    /// [`Self::headings`]; equal to them at whole frames, held at both ends.
+    ///
+    /// Where the hips show no facing, the heading of the nearest whole frame and the root's turn since.
+    pub fn facing(&self, working: f64) -> f64 {
+        let last = self.frame_count() - 1;
+        let working = working.clamp(0.0, last as f64 + self.overhang);
+        let nearest = floor_index(working + 0.5).min(last);
+        if (working - nearest as f64).abs() < 1e-9 {
+            return self.headings[nearest];
+        }
+        let skeleton = &self.clip.skeleton;
+        let frames = skeleton.forward_kinematics(&self.pose(working));
+        if let Some(shown) = facing(skeleton, &frames) {
+            let lower = floor_index(working).min(last);
+            let upper = (lower + 1).min(last);
+            let near = lerp_angle(self.headings[lower], self.headings[upper], working - lower as f64);
+            return near + wrap(shown - near);
+        }
+        let at_nearest = self.pose(nearest as f64).rotations[0];
+        self.headings[nearest] + turn_about_up(frames[0].rotation * at_nearest.inverse())
     }
 }
 

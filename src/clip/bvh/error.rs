@@ -1,0 +1,114 @@
+//! What can be wrong with a BVH file, where, and what to do about it.
+
+use std::fmt;
+
+/// A place in a text file, both counted from 1; columns count characters.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[expect(missing_docs, reason = "the names say it")]
+pub struct Position {
+    pub line: usize,
+    pub column: usize,
+}
+
+impl fmt::Display for Position {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "line {}, column {}", self.line, self.column)
+    }
+}
+
+/// Why a BVH file could not be read.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+#[expect(missing_docs, reason = "`at` is the place of the fault, the other fields stand in the message")]
+pub enum BvhError {
+    /// The first word is not HIERARCHY.
+    #[error("{at}: not a BVH file, which starts with the word HIERARCHY (found {found})")]
+    NotBvh { at: Position, found: String },
+    /// Another word than the format asks for.
+    #[error("{at}: expected {expected}, found {found}; correct this line or export the file again")]
+    Unexpected {
+        at: Position,
+        expected: &'static str,
+        found: String,
+    },
+    /// The file ends too early.
+    #[error("{at}: the file ends where {expected} should follow; it seems cut short, copy or export it again")]
+    EndOfFile { at: Position, expected: &'static str },
+    /// A joint's braces are never closed.
+    #[error("{at}: the file ends inside joint `{joint}`; a closing brace is missing")]
+    MissingBrace { at: Position, joint: String },
+    /// The hierarchy has a second ROOT.
+    #[error("{at}: a second ROOT; split the file, one body in each")]
+    SecondRoot { at: Position },
+    /// A joint without a name.
+    #[error("{at}: a joint without a name; write one after ROOT or JOINT")]
+    NoName { at: Position },
+    /// A joint with two OFFSET or two CHANNELS lines.
+    #[error("{at}: joint `{joint}` has a second {what} line; remove one")]
+    Repeated {
+        at: Position,
+        joint: String,
+        what: &'static str,
+    },
+    /// A joint without an OFFSET line.
+    #[error("{at}: joint `{joint}` closes without an OFFSET line; add one, in the parent's axes")]
+    NoOffset { at: Position, joint: String },
+    /// More joints than the reader takes.
+    #[error("{at}: more than {limit} joints; leave out what is not a body")]
+    TooManyJoints { at: Position, limit: usize },
+    /// A word that is no channel.
+    #[error("{at}: unknown channel `{found}`; channels are Xposition, Yposition, Zposition, Xrotation, Yrotation, Zrotation")]
+    UnknownChannel { at: Position, found: String },
+    /// The number after CHANNELS is not that of the names behind it.
+    #[error("{at}: joint `{joint}` announces {announced} channels, but {found} names follow; make the two agree")]
+    ChannelCount {
+        at: Position,
+        joint: String,
+        announced: usize,
+        found: usize,
+    },
+    /// One channel twice in one joint.
+    #[error("{at}: joint `{joint}` has the channel `{channel}` twice; each may stand once")]
+    RepeatedChannel {
+        at: Position,
+        joint: String,
+        channel: String,
+    },
+    /// A word where a number belongs.
+    #[error("{at}: `{found}` is not a number; decimals are written with a point")]
+    NotANumber { at: Position, found: String },
+    /// NaN, infinity or overflow.
+    #[error("{at}: `{found}` is not a finite number; repair the value or leave the frame out")]
+    NotFinite { at: Position, found: String },
+    /// A count that is negative, a fraction or too large.
+    #[error("{at}: `{found}` is not a count of {what}; write a whole number from 0 to 4294967295")]
+    NotACount {
+        at: Position,
+        found: String,
+        what: &'static str,
+    },
+    /// The motion has no frames.
+    #[error("{at}: the file has no frames; a clip needs one at least")]
+    NoFrames { at: Position },
+    /// A frame time of zero or less.
+    #[error("{at}: frame time {found} s; it must lie above 0, as in 0.0083333 for 120 frames a second")]
+    FrameTime { at: Position, found: f64 },
+    /// A row with another number of values than there are channels.
+    #[error("{at}: row {row} of the motion has {found} values, expected {expected}, one for each channel")]
+    RowLength {
+        at: Position,
+        row: usize,
+        expected: usize,
+        found: usize,
+    },
+    /// Fewer rows than announced.
+    #[error("{at}: {announced} frames announced, {found} rows found; correct the number after Frames: or restore the rows")]
+    RowsMissing {
+        at: Position,
+        announced: usize,
+        found: usize,
+    },
+    /// More than the announced rows.
+    #[error("{at}: {announced} frames announced, but more follows the last row; correct the number after Frames:")]
+    RowsLeft { at: Position, announced: usize },
+}

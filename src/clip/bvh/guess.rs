@@ -1,0 +1,202 @@
+//! What a BVH file does not say: its unit, which way is up, whether frame 0 belongs to the motion, its true rate.
+
+use glam::DVec3;
+
+use super::Up;
+use super::parse::RawBvh;
+use crate::clip::Clip;
+use crate::clip::roles::is_helper;
+use crate::geometry::log;
+use crate::index::{JointId, SourceFrame};
+use crate::skeleton::{JointRole, Skeleton};
+
+/// Metres per file unit that files come in: metres, decimetres, CMU's Acclaim unit (an inch of 0.45), inches, centimetres.
+const UNITS: [f64; 5] = [1.0, 0.1, 0.0254 / 0.45, 0.0254, 0.01];
+
+/// Metres per unit of the rig with buttock joints that every CMU subject was put on; measured, good to a few per cent.
+const BUTTOCK_RIG_UNIT: f64 = 0.0103;
+
+/// Length of an adult's leg from hip joint to ankle, metres; 0.75 to 0.9 in most captures.
+const LEG_LENGTH: f64 = 0.82;
+
+/// Distance between the lowest and the highest joint of an adult, metres, for skeletons without legs.
+const JOINT_EXTENT: f64 = 1.4;
+
+/// Rates in use, frames per second, that a rounded frame time may stand for.
+const RATES: [f64; 16] = [
+    24.0, 25.0, 30.0, 48.0, 50.0, 60.0, 72.0, 75.0, 90.0, 100.0, 120.0, 144.0, 150.0, 200.0, 240.0, 250.0,
+];
+
+/// Whether the skeleton is the 43-joint rig whose rest pose bleeds into the first frames.
+pub(super) fn is_buttock_rig(skeleton: &Skeleton) -> bool {
+    skeleton.joint_named("lButtock").is_some() && skeleton.joint_named("rButtock").is_some()
+}
+
+/// Metres per file unit from the size of the body, in file units: the unit in which its legs are nearest to an adult's.
+/// `None` where the skeleton has no size.
+pub(super) fn unit_to_m(skeleton: &Skeleton) -> Option<f64> {
+    if is_buttock_rig(skeleton) {
+        return Some(BUTTOCK_RIG_UNIT);
+    }
+    let (size, expected) = match leg_length(skeleton) {
+        Some(leg) => (leg, LEG_LENGTH),
+        None => (rest_extent(skeleton).max_element(), JOINT_EXTENT),
+    };
+    if size <= 0.0 {
+        return None;
+    }
+    let mismatch = |unit: &f64| (unit * size / expected).ln().abs();
+    UNITS.into_iter().min_by(|a, b| mismatch(a).total_cmp(&mismatch(b)))
+}
+
+/// Length of the bones from the hip to the ankle, the longer leg; whatever the rest pose.
+fn leg_length(skeleton: &Skeleton) -> Option<f64> {
+    let leg = |hip: JointRole, foot: JointRole| {
+        let hip = skeleton.joint_of(hip)?;
+        let mut joint = skeleton.joint_of(foot)?;
+        let mut length = 0.0;
+        while joint != hip {
+            let bone = &skeleton.joints[joint.as_usize()];
+            length += bone.offset.length();
+            joint = bone.parent?;
+        }
+        Some(length)
+    };
+    let left = leg(JointRole::LeftHip, JointRole::LeftFoot);
+    let right = leg(JointRole::RightHip, JointRole::RightFoot);
+    left.into_iter().chain(right).max_by(f64::total_cmp).filter(|length| *length > 0.0)
+}
+
+/// Size of the box around all joints at rest.
+fn rest_extent(skeleton: &Skeleton) -> DVec3 {
+    let frames = skeleton.forward_kinematics(&skeleton.rest_pose());
+    let places = || {
+        frames
+            .iter()
+            .zip(&skeleton.joints)
+            .filter(|(_, joint)| !is_helper(&joint.name))
+            .map(|(frame, _)| frame.position)
+    };
+    let low = places().fold(DVec3::INFINITY, DVec3::min);
+    let high = places().fold(DVec3::NEG_INFINITY, DVec3::max);
+    high - low
+}
+
+/// Axis that points up in the file: y, unless the body at rest stands along z and so does the motion (or the motion says
+/// nothing), or the motion stands along z at the height of its legs. `clip` is in the file's axes and units.
+pub(super) fn up(clip: &Clip) -> Up {
+    let skeleton = &clip.skeleton;
+    let rest = upright(skeleton, &[skeleton.rest_pose()]);
+    let step = (clip.frame_count() / 20).max(1);
+    let first = usize::from(clip.frame_count() > 1);
+    let poses: Vec<_> = (first..clip.frame_count())
+        .step_by(step)
+        .map(|frame| clip.pose(SourceFrame::from_usize(frame)))
+        .collect();
+    let moving = upright(skeleton, &poses);
+    let hips = poses.iter().map(|pose| pose.root).sum::<DVec3>() / poses.len().max(1) as f64;
+    let leg = leg_length(skeleton).unwrap_or(f64::INFINITY);
+    let hips_say_z = (0.6..1.6).contains(&(hips.z / leg)) && !(0.6..1.6).contains(&(hips.y / leg));
+    match (rest, moving) {
+        (Some(Up::Z), Some(Up::Z) | None) => Up::Z,
+        (_, Some(Up::Z)) if hips_say_z => Up::Z,
+        _ => Up::Y,
+    }
+}
+
+/// Axis along which the body stands: from the feet to the head, on average over `poses`; without roles, the axis of its
+/// largest extent at rest. `None` where neither y nor z stands out.
+fn upright(skeleton: &Skeleton, poses: &[crate::skeleton::Pose]) -> Option<Up> {
+    let feet = [JointRole::LeftFoot, JointRole::RightFoot].map(|role| skeleton.joint_of(role));
+    let top = [JointRole::Head, JointRole::Neck, JointRole::Chest, JointRole::Spine]
+        .into_iter()
+        .find_map(|role| skeleton.joint_of(role));
+    let ([Some(left), Some(right)], Some(top)) = (feet, top) else {
+        let extent = rest_extent(skeleton);
+        return (extent.z > 2.0 * extent.x.max(extent.y)).then_some(Up::Z);
+    };
+    let mut along = DVec3::ZERO;
+    for pose in poses {
+        let frames = skeleton.forward_kinematics(pose);
+        let place = |joint: JointId| frames[joint.as_usize()].position;
+        along += place(top) - 0.5 * (place(left) + place(right));
+    }
+    let along = along.normalize_or_zero();
+    // cos 45°: within 45° of an axis.
+    if along.z > 0.7072 {
+        Some(Up::Z)
+    } else if along.y > 0.7072 {
+        Some(Up::Y)
+    } else {
+        None
+    }
+}
+
+/// Frames per second of a frame time that may be written in few digits.
+///
+/// A rate in use whose frame time rounds (or was cut) to the digits written is meant: `.0083333` is 120, `.033333` is 30.
+/// Else a whole rate that rounds so. Else the reciprocal as it stands: `.0417083` is 23.976… and no 24.
+pub(super) fn frame_rate(raw: &RawBvh) -> f64 {
+    let time = raw.frame_time;
+    // Twice half a unit: cut digits count as well; a few roundings of the reciprocal on top.
+    let tolerance = 2.0 * raw.frame_time_rounding + 4.0 * f64::EPSILON * time;
+    let distance = |rate: &f64| (1.0 / rate - time).abs();
+    RATES
+        .into_iter()
+        .min_by(|a, b| distance(a).total_cmp(&distance(b)))
+        .into_iter()
+        .chain(std::iter::once((1.0 / time).round()))
+        .find(|rate| distance(rate) <= tolerance)
+        .unwrap_or(1.0 / time)
+}
+
+/// How frame 0 goes over into frame 1.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Start {
+    /// Like the frames after it.
+    Smooth,
+    /// Frame 0 is a rest pose, all joints turned alike, and the motion starts elsewhere.
+    RestPose,
+    /// Frame 0 is no rest pose, but the body jumps.
+    Jump,
+}
+
+/// Judges frame 0 by the mean turn of all joints from frame to frame.
+pub(super) fn start(clip: &Clip) -> Start {
+    if clip.frame_count() < 3 {
+        return Start::Smooth;
+    }
+    let jump = turn_between(clip, 0);
+    let usual = (1..clip.frame_count() - 1)
+        .take(20)
+        .map(|frame| turn_between(clip, frame))
+        .fold(0.0, f64::max);
+    if jump < JUMP_LEAST || jump < JUMP_RATIO * usual {
+        return Start::Smooth;
+    }
+    if rest_turn(clip) < REST_TURN {
+        Start::RestPose
+    } else {
+        Start::Jump
+    }
+}
+
+/// A mean turn of the joints from frame 0 to 1 below this is motion, radians.
+const JUMP_LEAST: f64 = 0.05;
+/// A jump is this many times the largest step after it.
+const JUMP_RATIO: f64 = 3.0;
+/// Mean turn of the joints in a rest pose, radians.
+const REST_TURN: f64 = 0.1;
+
+/// Mean angle by which the joints turn from `frame` to the next, radians.
+fn turn_between(clip: &Clip, frame: usize) -> f64 {
+    let joints = clip.skeleton.joints.len();
+    let turned = |k: usize| clip.rotations[k].inverse() * clip.rotations[k + joints];
+    (0..joints).map(|joint| log(turned(frame * joints + joint)).length()).sum::<f64>() / joints as f64
+}
+
+/// Mean angle between the joints of frame 0 and no rotation, the root left out, radians.
+fn rest_turn(clip: &Clip) -> f64 {
+    let joints = clip.skeleton.joints.len();
+    clip.rotations[1..joints].iter().map(|&turn| log(turn).length()).sum::<f64>() / joints as f64
+}

@@ -1,0 +1,375 @@
+//! The text of a BVH file as it stands: joints, channels, rows; file units, degrees.
+
+use super::cursor::{Cursor, Word, quote};
+use super::error::BvhError;
+use crate::skeleton::Axis;
+
+/// Most joints a file may have.
+pub(super) const JOINT_LIMIT: usize = 65_536;
+
+/// One column of the motion.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Channel {
+    Position(Axis),
+    Rotation(Axis),
+}
+
+/// A joint as the file has it.
+#[derive(Clone, Debug)]
+pub(super) struct RawJoint {
+    pub(super) name: String,
+    pub(super) parent: Option<usize>,
+    /// File units.
+    pub(super) offset: [f64; 3],
+    pub(super) end_sites: Vec<[f64; 3]>,
+    /// In the order of the file; empty where the file has no CHANNELS line.
+    pub(super) channels: Vec<Channel>,
+}
+
+/// A whole file.
+#[derive(Clone, Debug)]
+pub(super) struct RawBvh {
+    pub(super) joints: Vec<RawJoint>,
+    /// Seconds, as written.
+    pub(super) frame_time: f64,
+    /// Half a unit of the last digit of the frame time, seconds.
+    pub(super) frame_time_rounding: f64,
+    /// All rows, one after the other.
+    pub(super) values: Vec<f64>,
+    /// At least 1.
+    pub(super) frame_count: usize,
+}
+
+/// A joint whose braces are open.
+struct OpenJoint {
+    index: usize,
+    has_offset: bool,
+    has_channels: bool,
+}
+
+/// Reads the text; cost linear in its length, memory in what the file really holds.
+pub(super) fn parse(bytes: &[u8]) -> Result<RawBvh, BvhError> {
+    let mut cursor = Cursor::new(bytes);
+    let joints = hierarchy(&mut cursor)?;
+    let frames_word = keyed_word(&mut cursor, &["Frames:"], "`Frames:`", "the number of frames")?;
+    let frame_count = cursor.count(frames_word, "frames")?;
+    if frame_count == 0 {
+        return Err(BvhError::NoFrames {
+            at: cursor.position(frames_word.start),
+        });
+    }
+    let time_word = keyed_word(&mut cursor, &["Frame", "Time:"], "`Frame Time:`", "the frame time")?;
+    let frame_time = cursor.number(time_word)?;
+    if frame_time <= 0.0 || !(1.0 / frame_time).is_finite() {
+        return Err(BvhError::FrameTime {
+            at: cursor.position(time_word.start),
+            found: frame_time,
+        });
+    }
+    end_line(&mut cursor)?;
+    let width = joints.iter().map(|joint| joint.channels.len()).sum();
+    let values = rows(&mut cursor, frame_count, width)?;
+    Ok(RawBvh {
+        joints,
+        frame_time,
+        frame_time_rounding: half_unit_of_last_digit(time_word.bytes),
+        values,
+        frame_count,
+    })
+}
+
+/// Joints from HIERARCHY to MOTION, both words read; no recursion, so nesting may be deep.
+fn hierarchy(cursor: &mut Cursor<'_>) -> Result<Vec<RawJoint>, BvhError> {
+    match cursor.word() {
+        Some(word) if is(word, "HIERARCHY") => {}
+        other => {
+            return Err(BvhError::NotBvh {
+                at: other.map_or_else(|| cursor.here(), |word| cursor.position(word.start)),
+                found: other.map_or_else(|| "nothing".to_owned(), |word| format!("`{}`", quote(word.bytes))),
+            });
+        }
+    }
+    expect(cursor, "ROOT", "ROOT")?;
+    let mut joints = Vec::new();
+    let mut open = vec![open_joint(cursor, &mut joints, None)?];
+    while !open.is_empty() {
+        joint_line(cursor, &mut joints, &mut open)?;
+    }
+    match cursor.peek() {
+        Some(word) if is(word, "ROOT") => Err(BvhError::SecondRoot {
+            at: cursor.position(word.start),
+        }),
+        _ => expect(cursor, "MOTION", "MOTION").map(|()| joints),
+    }
+}
+
+/// Name and opening brace of a joint, behind ROOT or JOINT.
+fn open_joint(cursor: &mut Cursor<'_>, joints: &mut Vec<RawJoint>, parent: Option<usize>) -> Result<OpenJoint, BvhError> {
+    let name = cursor.rest_of_line();
+    let at = || cursor.position(name.start);
+    if name.bytes.is_empty() {
+        return Err(BvhError::NoName { at: at() });
+    }
+    if joints.len() == JOINT_LIMIT {
+        return Err(BvhError::TooManyJoints {
+            at: at(),
+            limit: JOINT_LIMIT,
+        });
+    }
+    joints.push(RawJoint {
+        name: String::from_utf8_lossy(name.bytes).into_owned(),
+        parent,
+        offset: [0.0; 3],
+        end_sites: Vec::new(),
+        channels: Vec::new(),
+    });
+    expect(cursor, "{", "an opening brace")?;
+    Ok(OpenJoint {
+        index: joints.len() - 1,
+        has_offset: false,
+        has_channels: false,
+    })
+}
+
+/// One item inside the innermost open joint: OFFSET, CHANNELS, JOINT, End Site or its closing brace.
+fn joint_line(
+    cursor: &mut Cursor<'_>,
+    joints: &mut Vec<RawJoint>,
+    open: &mut Vec<OpenJoint>,
+) -> Result<(), BvhError> {
+    let current = open.last_mut().expect("called while a joint is open");
+    let index = current.index;
+    let Some(word) = cursor.word() else {
+        return Err(BvhError::MissingBrace {
+            at: cursor.here(),
+            joint: joints[index].name.clone(),
+        });
+    };
+    let joint = &mut joints[index];
+    if is(word, "OFFSET") {
+        once(cursor, word, &mut current.has_offset, &joint.name, "OFFSET")?;
+        joint.offset = three_numbers(cursor)?;
+    } else if is(word, "CHANNELS") {
+        once(cursor, word, &mut current.has_channels, &joint.name, "CHANNELS")?;
+        joint.channels = channels(cursor, &joint.name)?;
+    } else if is(word, "JOINT") {
+        open.push(open_joint(cursor, joints, Some(index))?);
+    } else if is(word, "End") {
+        joint.end_sites.push(end_site(cursor)?);
+    } else if is(word, "}") {
+        close(cursor, word, current, &joint.name)?;
+        open.pop();
+    } else if is(word, "MOTION") {
+        return Err(BvhError::MissingBrace {
+            at: cursor.position(word.start),
+            joint: joint.name.clone(),
+        });
+    } else {
+        return Err(unexpected(cursor, word, "OFFSET, CHANNELS, JOINT, End Site or a closing brace"));
+    }
+    Ok(())
+}
+
+fn once(
+    cursor: &Cursor<'_>,
+    word: Word<'_>,
+    seen: &mut bool,
+    joint: &str,
+    what: &'static str,
+) -> Result<(), BvhError> {
+    if std::mem::replace(seen, true) {
+        return Err(BvhError::Repeated {
+            at: cursor.position(word.start),
+            joint: joint.to_owned(),
+            what,
+        });
+    }
+    Ok(())
+}
+
+fn close(cursor: &Cursor<'_>, brace: Word<'_>, joint: &OpenJoint, name: &str) -> Result<(), BvhError> {
+    if joint.has_offset {
+        return Ok(());
+    }
+    Err(BvhError::NoOffset {
+        at: cursor.position(brace.start),
+        joint: name.to_owned(),
+    })
+}
+
+/// What follows the word End: a label, braces and an offset in them.
+fn end_site(cursor: &mut Cursor<'_>) -> Result<[f64; 3], BvhError> {
+    cursor.rest_of_line();
+    expect(cursor, "{", "an opening brace")?;
+    expect(cursor, "OFFSET", "OFFSET")?;
+    let offset = three_numbers(cursor)?;
+    expect(cursor, "}", "a closing brace")?;
+    Ok(offset)
+}
+
+/// What follows the word CHANNELS; names that follow are counted to the end, so that the message can name both numbers.
+fn channels(cursor: &mut Cursor<'_>, joint: &str) -> Result<Vec<Channel>, BvhError> {
+    let count_word = next(cursor, "a number of channels")?;
+    let announced = cursor.count(count_word, "channels")?;
+    let mut found: Vec<Channel> = Vec::new();
+    while let Some(word) = cursor.peek() {
+        let Some(channel) = channel(word.bytes) else {
+            if found.len() < announced && !is_structure(word) {
+                return Err(BvhError::UnknownChannel {
+                    at: cursor.position(word.start),
+                    found: quote(word.bytes),
+                });
+            }
+            break;
+        };
+        if found.contains(&channel) {
+            return Err(BvhError::RepeatedChannel {
+                at: cursor.position(word.start),
+                joint: joint.to_owned(),
+                channel: quote(word.bytes),
+            });
+        }
+        found.push(channel);
+        cursor.word();
+    }
+    if found.len() == announced {
+        return Ok(found);
+    }
+    Err(BvhError::ChannelCount {
+        at: cursor.position(count_word.start),
+        joint: joint.to_owned(),
+        announced,
+        found: found.len(),
+    })
+}
+
+fn is_structure(word: Word<'_>) -> bool {
+    ["OFFSET", "JOINT", "End", "}", "{", "MOTION", "CHANNELS"]
+        .iter()
+        .any(|keyword| is(word, keyword))
+}
+
+fn channel(word: &[u8]) -> Option<Channel> {
+    let axis = match word.first()?.to_ascii_lowercase() {
+        b'x' => Axis::X,
+        b'y' => Axis::Y,
+        b'z' => Axis::Z,
+        _ => return None,
+    };
+    let kind = &word[1..];
+    if kind.eq_ignore_ascii_case(b"position") {
+        Some(Channel::Position(axis))
+    } else if kind.eq_ignore_ascii_case(b"rotation") {
+        Some(Channel::Rotation(axis))
+    } else {
+        None
+    }
+}
+
+/// `frame_count` lines of `width` numbers, blank lines skipped.
+fn rows(cursor: &mut Cursor<'_>, frame_count: usize, width: usize) -> Result<Vec<f64>, BvhError> {
+    // The count is only announced; what follows can hold one number in two bytes at most.
+    let mut values = Vec::with_capacity((cursor.remaining() / 2).min(frame_count.saturating_mul(width)));
+    for row in 0..if width == 0 { 0 } else { frame_count } {
+        let Some(first) = cursor.word() else {
+            return Err(BvhError::RowsMissing {
+                at: cursor.here(),
+                announced: frame_count,
+                found: row,
+            });
+        };
+        let mut found = 0;
+        let mut word = Some(first);
+        while let Some(next) = word {
+            values.push(cursor.number(next)?);
+            found += 1;
+            word = cursor.word_in_line();
+        }
+        if found != width {
+            return Err(BvhError::RowLength {
+                at: cursor.position(first.start),
+                row: row + 1,
+                expected: width,
+                found,
+            });
+        }
+    }
+    match cursor.word() {
+        None => Ok(values),
+        Some(word) => Err(BvhError::RowsLeft {
+            at: cursor.position(word.start),
+            announced: frame_count,
+        }),
+    }
+}
+
+/// Half a unit of the last digit written, e.g. 5e-8 for `.0083333`.
+fn half_unit_of_last_digit(number: &[u8]) -> f64 {
+    let exponent_at = number.iter().position(|byte| byte.eq_ignore_ascii_case(&b'e'));
+    let (mantissa, exponent) = number.split_at(exponent_at.unwrap_or(number.len()));
+    let exponent: i32 = exponent
+        .get(1..)
+        .and_then(|digits| std::str::from_utf8(digits).ok()?.parse().ok())
+        .unwrap_or(0);
+    let decimals = mantissa
+        .iter()
+        .position(|&byte| byte == b'.')
+        .map_or(0, |point| mantissa.len() - point - 1);
+    0.5 * 10_f64.powi(exponent.saturating_sub_unsigned(u32::try_from(decimals).unwrap_or(u32::MAX)))
+}
+
+fn three_numbers(cursor: &mut Cursor<'_>) -> Result<[f64; 3], BvhError> {
+    let mut numbers = [0.0; 3];
+    for number in &mut numbers {
+        let word = next(cursor, "a number")?;
+        *number = cursor.number(word)?;
+    }
+    Ok(numbers)
+}
+
+/// The word behind the words `keys`.
+fn keyed_word<'a>(
+    cursor: &mut Cursor<'a>,
+    keys: &[&str],
+    keys_quoted: &'static str,
+    value: &'static str,
+) -> Result<Word<'a>, BvhError> {
+    for key in keys {
+        expect(cursor, key, keys_quoted)?;
+    }
+    next(cursor, value)
+}
+
+fn end_line(cursor: &mut Cursor<'_>) -> Result<(), BvhError> {
+    match cursor.word_in_line() {
+        None => Ok(()),
+        Some(word) => Err(unexpected(cursor, word, "the end of the line")),
+    }
+}
+
+fn next<'a>(cursor: &mut Cursor<'a>, expected: &'static str) -> Result<Word<'a>, BvhError> {
+    cursor.word().ok_or_else(|| BvhError::EndOfFile {
+        at: cursor.here(),
+        expected,
+    })
+}
+
+fn expect(cursor: &mut Cursor<'_>, keyword: &str, expected: &'static str) -> Result<(), BvhError> {
+    let word = next(cursor, expected)?;
+    if is(word, keyword) {
+        return Ok(());
+    }
+    Err(unexpected(cursor, word, expected))
+}
+
+fn unexpected(cursor: &Cursor<'_>, word: Word<'_>, expected: &'static str) -> BvhError {
+    BvhError::Unexpected {
+        at: cursor.position(word.start),
+        expected,
+        found: format!("`{}`", quote(word.bytes)),
+    }
+}
+
+fn is(word: Word<'_>, keyword: &str) -> bool {
+    word.bytes.eq_ignore_ascii_case(keyword.as_bytes())
+}

@@ -1,0 +1,76 @@
+//! What can be measured on any clip, captured or edited: slide of the feet, length of the path, height.
+
+use glam::DVec3;
+
+use crate::clip::Clip;
+use crate::clip::contacts::{FootContacts, FootPoint, foot_point, percentile};
+use crate::clip::roles::is_helper;
+use crate::clip::working::{WORKING_STEP, WorkingClip};
+use crate::geometry::plan_of;
+use crate::index::{SourceFrame, floor_index};
+use crate::skeleton::{JointFrame, Pose};
+
+/// Time between the samples of a root's path: jitter does not add to its length, seconds.
+pub const PATH_STEP: f64 = 0.1;
+
+/// Mean horizontal speed of the points of the feet while they are in contact, m/s; `None` without any contact.
+///
+/// `contacts`: one for each frame of `clip`. A step between two frames counts for a point that is in contact at both.
+pub fn foot_slide(clip: &Clip, contacts: &[FootContacts]) -> Option<f64> {
+    debug_assert_eq!(contacts.len(), clip.frame_count(), "one contact label a frame");
+    let points: Vec<_> = FootPoint::ALL
+        .into_iter()
+        .filter_map(|point| Some((point, foot_point(&clip.skeleton, point)?)))
+        .collect();
+    let (mut length, mut steps) = (0.0, 0_u32);
+    let mut before: Option<Vec<DVec3>> = None;
+    for (frame, contact) in contacts.iter().enumerate() {
+        let frames = frames_at(clip, frame);
+        let places: Vec<DVec3> = points.iter().map(|(_, point)| point.place(&frames)).collect();
+        for (index, (point, _)) in points.iter().enumerate() {
+            let Some(before) = &before else { break };
+            if contact.at(*point) && contacts[frame - 1].at(*point) {
+                length += (plan_of(places[index]) - plan_of(before[index])).norm();
+                steps += 1;
+            }
+        }
+        before = Some(places);
+    }
+    (steps > 0).then(|| length * clip.fps / f64::from(steps))
+}
+
+/// [`foot_slide`] of a range on its working frames, m/s.
+pub fn foot_slide_working(working: &WorkingClip) -> Option<f64> {
+    let poses: Vec<Pose> = (0..working.frame_count()).map(|index| working.pose(index as f64)).collect();
+    let clip = Clip::from_poses(&working.name, working.clip.skeleton.clone(), 1.0 / WORKING_STEP, &poses);
+    foot_slide(&clip, &working.contacts)
+}
+
+/// Length of the root's path on the ground from file frame `first` to `last`, sampled every [`PATH_STEP`], metres.
+pub fn root_path(clip: &Clip, first: SourceFrame, last: SourceFrame) -> f64 {
+    let (start, end) = (f64::from(first.0), f64::from(last.0));
+    let step = (PATH_STEP * clip.fps).max(1.0);
+    let samples = floor_index((end - start) / step + 1e-9);
+    let place = |sample: usize| plan_of(clip.root_at((start + sample as f64 * step).min(end)));
+    (1..=samples).map(|sample| (place(sample) - place(sample - 1)).norm()).sum()
+}
+
+/// Height of the highest joint above the lowest one when the body stands, metres: the median over `first` to `last`, end
+/// sites and helper joints left out. Clips that mostly lie or sit give less.
+pub fn standing_height(clip: &Clip, first: SourceFrame, last: SourceFrame) -> f64 {
+    let counted: Vec<usize> = (0..clip.skeleton.joints.len())
+        .filter(|&index| !is_helper(&clip.skeleton.joints[index].name))
+        .collect();
+    let heights = (first.as_usize()..=last.as_usize())
+        .map(|frame| {
+            let frames = frames_at(clip, frame);
+            let heights = || counted.iter().map(|&joint| frames[joint].position.y);
+            heights().fold(f64::NEG_INFINITY, f64::max) - heights().fold(f64::INFINITY, f64::min)
+        })
+        .collect();
+    percentile(heights, 0.5)
+}
+
+fn frames_at(clip: &Clip, frame: usize) -> Vec<JointFrame> {
+    clip.skeleton.forward_kinematics(&clip.pose(SourceFrame::from_usize(frame)))
+}
