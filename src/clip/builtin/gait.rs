@@ -1,0 +1,194 @@
+//! Steady walking from footplants: where the feet are decides, the legs follow by inverse kinematics.
+//!
+//! Phase 0 is a strike of the left foot, phase ½ one of the right. A foot strikes with its toes up and turns about the
+//! ankle until flat, stays flat, lifts its heel about the toe joint, which stays put, and swings.
+
+use std::f64::consts::TAU;
+
+use glam::{DQuat, DVec3};
+
+use super::body::{ANKLE_HEIGHT, Body, Foot, PELVIS_HEIGHT, Side, TOE_OFFSET, Trunk};
+use crate::geometry::smoothstep;
+use crate::skeleton::Pose;
+
+/// Phases of one foot, in cycles from its strike: flat, heel lifting, toes lifting.
+pub(super) const FLAT: f64 = 0.08;
+pub(super) const HEEL_OFF: f64 = 0.38;
+pub(super) const TOE_OFF: f64 = 0.62;
+/// Pitch of the foot at its strike and when the toes lift, radians.
+const STRIKE_PITCH: f64 = -0.24;
+const TOE_OFF_PITCH: f64 = 0.92;
+/// Exponent of the heel's rise in time.
+const HEEL_RISE: f64 = 1.6;
+/// Phase of the strongest support by the left leg: the pelvis is highest and farthest left.
+const MID_STANCE: f64 = 0.31;
+/// Ankles beside the line of walking, metres.
+const HALF_STEP_WIDTH: f64 = 0.065;
+/// Turn of the toes outwards, radians.
+const TOES_OUT: f64 = 0.07;
+/// Share of a straight leg that the most stretched leg of the cycle has.
+const LONGEST_LEG: f64 = 0.995;
+
+/// A way to walk.
+#[derive(Clone, Debug)]
+pub(super) struct Gait {
+    body: Body,
+    /// Metres per second.
+    speed: f64,
+    /// Seconds of a cycle of two steps; a whole number of frames.
+    pub(super) period: f64,
+    /// Pelvis above the ground on average, metres.
+    height: f64,
+}
+
+impl Gait {
+    /// Walking at `speed`; step length and cadence keep a walk ratio of 0.39 m·s, as people do.
+    ///
+    /// Source: Sekiya et al., *J. Human Movement Studies* 30 (1996), 241–257 (walk ratio 0.0065 m per step/min).
+    pub(super) fn new(body: Body, speed: f64, fps: f64) -> Self {
+        const WALK_RATIO: f64 = 0.39;
+        let step = (speed * WALK_RATIO * body.scale).sqrt();
+        let half_period = (step / speed * fps).round() / fps;
+        let mut gait = Self {
+            height: PELVIS_HEIGHT * body.scale,
+            period: 2.0 * half_period,
+            body,
+            speed,
+        };
+        gait.height = gait.highest_reachable();
+        gait
+    }
+
+    /// Pose `time` seconds after a strike of the left foot at which the pelvis was over the origin.
+    pub(super) fn pose(&self, time: f64) -> Pose {
+        self.stretched_pose(time).0
+    }
+
+    /// Where a foot is `time` seconds after a strike of the left one.
+    pub(super) fn foot(&self, side: Side, time: f64) -> Foot {
+        let delay = match side {
+            Side::Left => 0.0,
+            Side::Right => 0.5,
+        };
+        let cycles = time / self.period - delay;
+        // A strike falls on a frame; rounding must not put it before itself.
+        let cycle = (cycles + 1e-9).floor();
+        let phase = (cycles - cycle).max(0.0);
+        let plant = DVec3::new(
+            side.sign() * HALF_STEP_WIDTH * self.body.scale,
+            ANKLE_HEIGHT * self.body.scale,
+            self.speed * self.period * (cycle + delay) + self.reach_ahead(),
+        );
+        let turn = side.sign() * TOES_OUT;
+        if phase < TOE_OFF {
+            self.supporting(plant, turn, phase)
+        } else {
+            self.swinging(plant, turn, phase)
+        }
+    }
+
+    /// Distance of a striking ankle ahead of the pelvis, metres.
+    fn reach_ahead(&self) -> f64 {
+        0.225 * self.speed * self.period
+    }
+
+    /// Largest height of the pelvis at which both legs reach their feet all the time, by bisection.
+    fn highest_reachable(&self) -> f64 {
+        let mut trial = self.clone();
+        let (mut low, mut high) = (0.6 * self.height, self.height);
+        for _ in 0..40 {
+            trial.height = 0.5 * (low + high);
+            let longest = (0..60)
+                .map(|k| trial.stretched_pose(self.period * f64::from(k) / 60.0).1)
+                .fold(0.0, f64::max);
+            if longest < LONGEST_LEG {
+                low = trial.height;
+            } else {
+                high = trial.height;
+            }
+        }
+        low
+    }
+
+    /// Pose and how far its more stretched leg is stretched.
+    fn stretched_pose(&self, time: f64) -> (Pose, f64) {
+        let pace = self.speed.min(1.6) / 1.2;
+        let angle = TAU * time / self.period;
+        let wave = |phase: f64| (angle - TAU * phase).cos();
+        let bob = (2.0 * (angle - TAU * MID_STANCE)).cos();
+        let pelvis = DVec3::new(
+            0.018 * self.body.scale * wave(MID_STANCE),
+            self.height + 0.021 * self.body.scale * pace * bob,
+            self.speed * time,
+        );
+        let trunk = Trunk {
+            pelvis_turn: -0.07 * pace * wave(0.03),
+            pelvis_list: 0.045 * pace * wave(0.2),
+            chest_turn: 0.08 * pace * wave(0.03),
+            lean: 0.03 + 0.03 * pace,
+        };
+        let mut pose = self.body.pose(pelvis, trunk);
+        let mut longest: f64 = 0.0;
+        for side in Side::BOTH {
+            let stretch = self.body.place_foot(&mut pose, side, self.foot(side, time));
+            longest = longest.max(stretch);
+            let back = side.sign() * wave(0.04);
+            let bend = 0.28 + 0.14 * pace * (1.0 - back);
+            self.body
+                .hang_arm(&mut pose, side, pace * (0.36 * back - 0.02), bend);
+        }
+        (pose, longest)
+    }
+
+    /// On the ground: toes come down, flat, heel goes up about the toe joint.
+    fn supporting(&self, plant: DVec3, turn: f64, phase: f64) -> Foot {
+        if phase < HEEL_OFF {
+            let pitch = STRIKE_PITCH * (1.0 - smoothstep(phase / FLAT));
+            return Foot { ankle: plant, turn, pitch, toe: 0.0 };
+        }
+        let rise = (phase - HEEL_OFF) / (TOE_OFF - HEEL_OFF);
+        let pitch = TOE_OFF_PITCH * rise.powf(HEEL_RISE);
+        let ankle = self.about_toe(plant, turn, pitch);
+        Foot { ankle, turn, pitch, toe: -pitch }
+    }
+
+    /// Ankle of a foot planted at `plant` with its heel lifted by `pitch` about the toe joint.
+    fn about_toe(&self, plant: DVec3, turn: f64, pitch: f64) -> DVec3 {
+        let toe = TOE_OFFSET * self.body.scale;
+        let upright = DQuat::from_rotation_y(turn);
+        plant + upright * (toe - DQuat::from_rotation_x(pitch) * toe)
+    }
+
+    /// In the air: from where the toes left the plant to the next one, without a jump in place or speed.
+    fn swinging(&self, plant: DVec3, turn: f64, phase: f64) -> Foot {
+        /// Additional height of the ankle half way, metres.
+        const LIFT: f64 = 0.045;
+        /// Share of the swing in which the toes straighten.
+        const STRAIGHTENING: f64 = 0.7;
+        /// Step of the difference quotient for the ankle's speed at the start, radians.
+        const SMALL: f64 = 1e-6;
+        let u = (phase - TOE_OFF) / (1.0 - TOE_OFF);
+        // Rates are per swing.
+        let pitch_rate = HEEL_RISE * TOE_OFF_PITCH * (1.0 - TOE_OFF) / (TOE_OFF - HEEL_OFF);
+        let from = self.about_toe(plant, turn, TOE_OFF_PITCH);
+        let rate = (from - self.about_toe(plant, turn, TOE_OFF_PITCH - SMALL)) / SMALL * pitch_rate;
+        let to = plant + DVec3::Z * (self.speed * self.period);
+        let bump = DVec3::Y * (LIFT * self.body.scale * 16.0 * (u * (1.0 - u)).powi(2));
+        let ankle = DVec3::new(
+            to.x + (from.x - to.x) * (1.0 - smoothstep(u)),
+            hermite([from.y, to.y], [rate.y, 0.0], u),
+            hermite([from.z, to.z], [rate.z, 0.0], u),
+        ) + bump;
+        let pitch = hermite([TOE_OFF_PITCH, STRIKE_PITCH], [pitch_rate, 0.0], u);
+        let straight = (u / STRAIGHTENING).min(1.0);
+        let toe = hermite([-TOE_OFF_PITCH, 0.0], [-pitch_rate * STRAIGHTENING, 0.0], straight);
+        Foot { ankle, turn, pitch, toe }
+    }
+}
+
+/// Cubic on [0, 1] with the given values and slopes at its ends.
+fn hermite(values: [f64; 2], slopes: [f64; 2], u: f64) -> f64 {
+    let (v, w) = (1.0 - u, u);
+    values[0] * v * v * (1.0 + 2.0 * w) + values[1] * w * w * (1.0 + 2.0 * v) + slopes[0] * w * v * v
+        - slopes[1] * w * w * v
+}

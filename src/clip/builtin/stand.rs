@@ -1,0 +1,116 @@
+//! Standing and what is done on the spot: both feet planted, the pelvis swaying by a centimetre.
+
+use std::f64::consts::TAU;
+
+use glam::{DQuat, DVec3};
+
+use super::body::{ANKLE_HEIGHT, Body, Foot, PELVIS_HEIGHT, Side, Trunk, arm_joints};
+use crate::geometry::{slerp, smoothstep};
+use crate::skeleton::Pose;
+
+/// Ankles beside the middle, metres.
+const HALF_STANCE: f64 = 0.10;
+/// Turn of the toes outwards, radians.
+const TOES_OUT: f64 = 0.12;
+/// How much lower than with straight legs the pelvis is, metres.
+const KNEES_SOFT: f64 = 0.015;
+/// Seconds of a breath and of a sway, rounded so that a clip holds whole ones.
+const BREATH: f64 = 3.0;
+
+/// When the hand of a slap is highest behind, hits, and is down again, as shares of the clip.
+const SLAP_RAISED: f64 = 0.30;
+pub(super) const SLAP_HIT: f64 = 0.42;
+const SLAP_DOWN: f64 = 0.85;
+/// When it begins to rise.
+const SLAP_START: f64 = 0.08;
+
+/// Standing at share `s` of a clip of `seconds`, as the same at both ends.
+pub(super) fn idle(body: &Body, seconds: f64, s: f64) -> Pose {
+    let mut pose = upright(body, seconds, s, DVec3::ZERO, 0.0);
+    plant(body, &mut pose);
+    pose
+}
+
+/// A high five with the right hand at share `s` of a clip of `seconds`; stands as [`idle`] does at both ends.
+pub(super) fn slap(body: &Body, seconds: f64, s: f64) -> Pose {
+    let down = |turn| upright(body, seconds, s, DVec3::ZERO, turn);
+    let mut raised = upright(body, seconds, s, DVec3::new(0.0, 0.0, -0.004) * body.scale, -0.10);
+    let mut hit = upright(body, seconds, s, DVec3::new(0.003, 0.0, 0.012) * body.scale, 0.16);
+    let behind = DVec3::new(-0.33, 1.52, 0.16) * body.scale;
+    let at_partner = DVec3::new(-0.20, 1.41, 0.48) * body.scale;
+    let outside = DVec3::new(-0.8, -0.6, -0.1);
+    let below = DVec3::new(-0.45, -0.9, 0.0);
+    let ahead = DVec3::new(0.0, -0.2, 1.0);
+    body.reach_right(&mut raised, behind, outside, [DVec3::new(-0.1, 1.0, -0.25), ahead]);
+    body.reach_right(&mut hit, at_partner, below, [DVec3::new(0.0, 1.0, 0.25), ahead]);
+    let mut pose = if s < SLAP_RAISED {
+        between(&down(0.0), &raised, smoothstep((s - SLAP_START) / (SLAP_RAISED - SLAP_START)))
+    } else if s < SLAP_HIT {
+        between(&raised, &hit, strike((s - SLAP_RAISED) / (SLAP_HIT - SLAP_RAISED)))
+    } else {
+        between(&hit, &down(0.0), smoothstep((s - SLAP_HIT) / (SLAP_DOWN - SLAP_HIT)))
+    };
+    straighten_right_elbow(&mut pose);
+    plant(body, &mut pose);
+    pose
+}
+
+/// Trunk and hanging arms, legs to come; `shift` of the pelvis in metres, `chest_turn` in radians.
+fn upright(body: &Body, seconds: f64, s: f64, shift: DVec3, chest_turn: f64) -> Pose {
+    let breaths = (seconds / BREATH).round().max(1.0);
+    let sway = (TAU * breaths * s).sin();
+    let breath = (TAU * breaths * s).cos();
+    let place = DVec3::new(0.010 * sway, PELVIS_HEIGHT - KNEES_SOFT, 0.003 * (1.0 - breath));
+    let trunk = Trunk {
+        pelvis_turn: 0.012 * sway,
+        pelvis_list: 0.012 * sway,
+        chest_turn,
+        lean: 0.03 + 0.008 * breath,
+    };
+    let mut pose = body.pose(place * body.scale + shift, trunk);
+    for side in Side::BOTH {
+        let [collar, ..] = arm_joints(side);
+        pose.rotations[collar] = DQuat::from_rotation_z(-side.sign() * 0.012 * breath);
+        body.hang_arm(&mut pose, side, 0.01 * breath, 0.22);
+    }
+    pose
+}
+
+/// Puts both feet where they always stand.
+fn plant(body: &Body, pose: &mut Pose) {
+    for side in Side::BOTH {
+        let ankle = DVec3::new(side.sign() * HALF_STANCE, ANKLE_HEIGHT, 0.0) * body.scale;
+        let turn = side.sign() * TOES_OUT;
+        body.place_foot(pose, side, Foot { ankle, turn, pitch: 0.0, toe: 0.0 });
+    }
+}
+
+/// Leaves the right elbow its bend and the forearm's twist only: what lies between two bent and twisted elbows would
+/// bend a little sideways.
+fn straighten_right_elbow(pose: &mut Pose) {
+    let [_, _, elbow, _] = arm_joints(Side::Right);
+    let rotation = pose.rotations[elbow];
+    let bent = DQuat::from_rotation_y((rotation * DVec3::NEG_X).angle_between(DVec3::NEG_X));
+    let rest = bent.inverse() * rotation;
+    let twist = DQuat::from_rotation_x(2.0 * rest.x.atan2(rest.w));
+    pose.rotations[elbow] = bent * twist;
+}
+
+/// From rest to a hit at full speed.
+fn strike(u: f64) -> f64 {
+    u * u * (2.0 - u)
+}
+
+/// Share `s` of the way from one pose to another, joint by joint.
+fn between(from: &Pose, to: &Pose, s: f64) -> Pose {
+    Pose {
+        root: from.root.lerp(to.root, s),
+        rotations: from
+            .rotations
+            .iter()
+            .zip(&to.rotations)
+            .map(|(a, b)| slerp(*a, *b, s))
+            .collect(),
+        offsets: Vec::new(),
+    }
+}

@@ -1,0 +1,330 @@
+//! GLB files (binary glTF 2.0): every character a skinned simple body, one animation for all, objects as boxes.
+
+mod body_mesh;
+mod buffer;
+mod stage;
+
+use std::sync::Arc;
+
+use glam::{DQuat, DVec3};
+use gltf_json::animation::{Animation, Channel, Interpolation, Property, Sampler, Target};
+use gltf_json::mesh::{Mesh, Mode, Primitive, Semantic};
+use gltf_json::scene::{Node, Scene, UnitQuaternion};
+use gltf_json::validation::Checked;
+use gltf_json::{Accessor, Asset, Index, Skin};
+
+use self::body_mesh::body_mesh;
+use self::buffer::{Document, Use};
+use crate::clip::Clip;
+use crate::export::palette;
+use crate::geometry::c64;
+use crate::index::{JointId, SourceFrame};
+use crate::skeleton::Skeleton;
+
+/// What a GLB file shows.
+#[derive(Clone, Debug, PartialEq)]
+pub struct GlbScene<'a> {
+    /// Name of the scene and of its animation.
+    pub title: &'a str,
+    /// All start together; each ends with its clip.
+    pub performers: Vec<Performer<'a>>,
+    /// Things that stand in the scene.
+    pub objects: Vec<GlbObject<'a>>,
+}
+
+/// A character and its motion.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Performer<'a> {
+    /// For people.
+    pub name: &'a str,
+    /// At least one frame.
+    pub clip: &'a Clip,
+}
+
+/// A box that stands in the scene.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct GlbObject<'a> {
+    /// For people.
+    pub name: &'a str,
+    /// Ahead, up, across, metres.
+    pub size: [f64; 3],
+    /// Ground plan of the middle of its base, metres.
+    pub position: c64,
+    /// Radians.
+    pub facing: f64,
+}
+
+/// The file's bytes; the same scene gives the same bytes.
+///
+/// # Panics
+/// If a clip has no frames, or the file would exceed the 4 GiB its format allows.
+pub fn to_glb(scene: &GlbScene) -> Vec<u8> {
+    let mut document = Document::default();
+    document.root.asset = Asset { generator: Some("cotillion".to_owned()), ..Default::default() };
+    let mut animation = Animation {
+        extensions: None,
+        extras: Default::default(),
+        channels: Vec::new(),
+        name: Some(scene.title.to_owned()),
+        samplers: Vec::new(),
+    };
+    let mut nodes = vec![stage::ground(&mut document, scene)];
+    let mut cast = Cast::default();
+    for (index, performer) in scene.performers.iter().enumerate() {
+        nodes.extend(cast.enter(&mut document, &mut animation, performer, index));
+    }
+    for object in &scene.objects {
+        nodes.push(stage::object(&mut document, object));
+    }
+    if !animation.channels.is_empty() {
+        document.root.push(animation);
+    }
+    let stage = document.root.push(Scene {
+        extensions: None,
+        extras: Default::default(),
+        name: Some(scene.title.to_owned()),
+        nodes,
+    });
+    document.root.scene = Some(stage);
+    document.into_glb()
+}
+
+/// Accessors that characters share.
+#[derive(Default)]
+struct Cast {
+    bodies: Vec<(Arc<Skeleton>, Body)>,
+    /// By frames and rate.
+    times: Vec<(usize, f64, Index<Accessor>)>,
+}
+
+/// Accessors of a body's mesh, in the order of the glTF names below, and of its bind pose.
+#[derive(Clone, Copy)]
+struct Body {
+    positions: Index<Accessor>,
+    normals: Index<Accessor>,
+    joints: Index<Accessor>,
+    weights: Index<Accessor>,
+    indices: Index<Accessor>,
+    inverse_bind: Index<Accessor>,
+}
+
+impl Cast {
+    /// Adds one character; returns its nodes at the scene's root: skeleton, and mesh where it has any.
+    fn enter(
+        &mut self,
+        document: &mut Document,
+        animation: &mut Animation,
+        performer: &Performer,
+        index: usize,
+    ) -> Vec<Index<Node>> {
+        let clip = performer.clip;
+        let joints = joint_nodes(document, clip);
+        let holder = document.root.push(Node {
+            name: Some(performer.name.to_owned()),
+            children: Some(vec![joints[0]]),
+            ..Default::default()
+        });
+        let times = self.times(document, clip);
+        animate(document, animation, clip, &joints, times);
+        let Some(body) = self.body(document, &clip.skeleton) else {
+            return vec![holder];
+        };
+        let skin = document.root.push(Skin {
+            extensions: None,
+            extras: Default::default(),
+            inverse_bind_matrices: Some(body.inverse_bind),
+            joints,
+            name: Some(performer.name.to_owned()),
+            skeleton: Some(holder),
+        });
+        let mesh = body_of(document, body, performer.name, palette::colour(index));
+        let body = document.root.push(Node {
+            name: Some(format!("{} body", performer.name)),
+            mesh: Some(mesh),
+            skin: Some(skin),
+            ..Default::default()
+        });
+        vec![holder, body]
+    }
+
+    /// Mesh of a skeleton, made once; none where no joint has a limb.
+    fn body(&mut self, document: &mut Document, skeleton: &Arc<Skeleton>) -> Option<Body> {
+        if let Some((_, body)) = self.bodies.iter().find(|(known, _)| known == skeleton) {
+            return Some(*body);
+        }
+        let mesh = body_mesh(skeleton);
+        if mesh.positions.is_empty() {
+            return None;
+        }
+        let bind = skeleton.forward_kinematics(&skeleton.rest_pose());
+        let inverse_bind: Vec<[f32; 16]> = bind.iter().map(|frame| translation(-frame.position)).collect();
+        let joints: Vec<[u16; 4]> = mesh.joints.iter().map(|joint| [joint_number(*joint), 0, 0, 0]).collect();
+        let indices: Vec<u32> = mesh
+            .triangles
+            .iter()
+            .flatten()
+            .map(|vertex| JointId::from_usize(*vertex).0)
+            .collect();
+        let body = Body {
+            positions: document.floats(&rows(&mesh.positions), Use::Vertices, true),
+            normals: document.floats(&rows(&mesh.normals), Use::Vertices, false),
+            joints: document.joints(&joints),
+            weights: document.floats(&vec![[1.0, 0.0, 0.0, 0.0]; joints.len()], Use::Vertices, false),
+            indices: document.indices(&indices),
+            inverse_bind: document.floats(&inverse_bind, Use::Data, false),
+        };
+        self.bodies.push((skeleton.clone(), body));
+        Some(body)
+    }
+
+    /// Seconds of a clip's frames, made once per length.
+    fn times(&mut self, document: &mut Document, clip: &Clip) -> Index<Accessor> {
+        let frames = clip.frame_count();
+        let known = self.times.iter().find(|(count, fps, _)| *count == frames && *fps == clip.fps);
+        if let Some((_, _, times)) = known {
+            return *times;
+        }
+        let seconds: Vec<[f32; 1]> = (0..frames).map(|frame| [narrow(frame as f64 / clip.fps)]).collect();
+        let times = document.floats(&seconds, Use::Data, true);
+        self.times.push((frames, clip.fps, times));
+        times
+    }
+}
+
+/// A node per joint, as in the first frame; children listed by their parents.
+fn joint_nodes(document: &mut Document, clip: &Clip) -> Vec<Index<Node>> {
+    let pose = clip.pose(SourceFrame(0));
+    let first = JointId::from_usize(document.root.nodes.len()).0;
+    let joints = &clip.skeleton.joints;
+    let nodes: Vec<Index<Node>> = (first..).take(joints.len()).map(Index::new).collect();
+    for (index, joint) in joints.iter().enumerate() {
+        let place = match joint.parent {
+            None => pose.root,
+            Some(_) => pose.offset_of(JointId::from_usize(index)).unwrap_or(joint.offset),
+        };
+        let children: Vec<Index<Node>> = joints
+            .iter()
+            .zip(&nodes)
+            .filter(|(child, _)| child.parent.is_some_and(|parent| parent.as_usize() == index))
+            .map(|(_, node)| *node)
+            .collect();
+        document.root.push(Node {
+            name: Some(joint.name.clone()),
+            children: (!children.is_empty()).then_some(children),
+            translation: Some(vector(place)),
+            rotation: Some(UnitQuaternion(quaternion(pose.rotations[index]))),
+            ..Default::default()
+        });
+    }
+    nodes
+}
+
+/// Channels of one character: rotations of all joints, translations of the root and of joints that move.
+fn animate(
+    document: &mut Document,
+    animation: &mut Animation,
+    clip: &Clip,
+    joints: &[Index<Node>],
+    times: Index<Accessor>,
+) {
+    let mut add = |output: Index<Accessor>, joint: usize, path: Property| {
+        let sampler = Index::push(&mut animation.samplers, Sampler {
+            extensions: None,
+            extras: Default::default(),
+            input: times,
+            interpolation: Checked::Valid(Interpolation::Linear),
+            output,
+        });
+        animation.channels.push(Channel {
+            sampler,
+            target: Target {
+                extensions: None,
+                extras: Default::default(),
+                node: joints[joint],
+                path: Checked::Valid(path),
+            },
+            extensions: None,
+            extras: Default::default(),
+        });
+    };
+    let root = document.floats(&rows(&clip.root_positions), Use::Data, false);
+    add(root, 0, Property::Translation);
+    for moving in &clip.moving_offsets {
+        let offsets = document.floats(&rows(&moving.offsets), Use::Data, false);
+        add(offsets, moving.joint.as_usize(), Property::Translation);
+    }
+    for joint in 0..joints.len() {
+        let rotations = document.floats(&steady(clip, joint), Use::Data, false);
+        add(rotations, joint, Property::Rotation);
+    }
+}
+
+/// Rotations of a joint with signs chosen so that neighbours are close: players interpolate without a detour.
+fn steady(clip: &Clip, joint: usize) -> Vec<[f32; 4]> {
+    let mut before = DQuat::IDENTITY;
+    clip.rotations
+        .iter()
+        .skip(joint)
+        .step_by(clip.skeleton.joints.len())
+        .map(|rotation| {
+            before = if before.dot(*rotation) < 0.0 { -*rotation } else { *rotation };
+            quaternion(before)
+        })
+        .collect()
+}
+
+fn body_of(document: &mut Document, body: Body, name: &str, colour: [u8; 3]) -> Index<Mesh> {
+    let material = document.root.push(stage::material(name, colour, 0.75));
+    let attributes = [
+        (Semantic::Positions, body.positions),
+        (Semantic::Normals, body.normals),
+        (Semantic::Joints(0), body.joints),
+        (Semantic::Weights(0), body.weights),
+    ];
+    document.root.push(Mesh {
+        extensions: None,
+        extras: Default::default(),
+        name: Some(name.to_owned()),
+        primitives: vec![Primitive {
+            attributes: attributes.map(|(name, data)| (Checked::Valid(name), data)).into(),
+            extensions: None,
+            extras: Default::default(),
+            indices: Some(body.indices),
+            material: Some(material),
+            mode: Checked::Valid(Mode::Triangles),
+            targets: None,
+        }],
+        weights: None,
+    })
+}
+
+/// Column-major matrix of a shift.
+fn translation(shift: DVec3) -> [f32; 16] {
+    let [x, y, z] = vector(shift);
+    [1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, x, y, z, 1.0]
+}
+
+fn rows(points: &[DVec3]) -> Vec<[f32; 3]> {
+    points.iter().map(|point| vector(*point)).collect()
+}
+
+fn vector(point: DVec3) -> [f32; 3] {
+    point.to_array().map(narrow)
+}
+
+fn quaternion(rotation: DQuat) -> [f32; 4] {
+    rotation.normalize().to_array().map(narrow)
+}
+
+fn joint_number(joint: usize) -> u16 {
+    u16::try_from(joint).expect("fewer than 65536 joints")
+}
+
+/// Nearest single-precision number.
+#[expect(clippy::cast_possible_truncation, reason = "glTF stores single precision")]
+fn narrow(number: f64) -> f32 {
+    number as f32
+}
+
+#[cfg(test)]
+mod tests;
