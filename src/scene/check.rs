@@ -1,1 +1,297 @@
-//! To come.
+//! Turns what a scene file says into a sound [`Scene`], reporting every fault on the way.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+use std::sync::Arc;
+
+use crate::constraint::{Constraint, Instant};
+use crate::geometry::c64;
+use crate::index::CharacterId;
+use crate::scene::clips::{self, ClipFolders, Declared, check_name, within};
+use crate::scene::constraints::{self, Checked};
+use crate::scene::moment::{Entry, Member};
+use crate::scene::report::{At, Lines, Place, Report};
+use crate::scene::tree::Field;
+use crate::scene::values::{self, Pair, Tables};
+use crate::scene::{Character, Mode, Object, Scene, Warp, raw, ties, unavailable};
+use crate::track::{Protected, StringingError, Track};
+
+/// Farthest from the origin that anything stands, metres.
+const FARTHEST: f64 = 1e5;
+
+/// Objects by name, as far as they are sound.
+pub struct Objects {
+    /// Names, in the order of the file.
+    pub names: Vec<String>,
+    /// As many as names, where all are sound.
+    pub sound: Vec<Object>,
+}
+
+/// The scene that `raw` describes; whatever is wrong with it is in `report`, and the scene is then of no use.
+///
+/// `path`: of the scene file. `lines`: of its text.
+pub fn check(
+    raw: &raw::Scene,
+    (path, lines): (&Path, &Lines<'_>),
+    folders: &ClipFolders,
+    report: &mut Report,
+) -> Scene {
+    unavailable::refuse(raw, report);
+    let folder = path.parent().unwrap_or(Path::new(""));
+    let clips = clips::declared(raw, folder, folders, report);
+    let cast = cast(raw, &clips, report);
+    let objects = objects(raw, report);
+    check_unique(raw, report);
+    let checked = constraints::check(raw, &cast, &objects, lines, report);
+    ties::warn_of_untied(&checked, &cast, report);
+    let characters = characters(raw, &cast, &checked, report);
+    Scene {
+        title: raw.title.value().cloned().unwrap_or_else(|| {
+            path.file_stem()
+                .map_or_else(String::new, |stem| stem.to_string_lossy().into_owned())
+        }),
+        fps: within(&raw.fps, 1000.0, "frames per second", report).unwrap_or(30.0),
+        mode: match raw.mode.value() {
+            Some(values::Mode::Paper) => Mode::Paper,
+            Some(values::Mode::Production) | None => Mode::Production,
+        },
+        characters,
+        objects: objects.sound,
+        constraints: checked.constraints,
+        warp: warp(&raw.warp, report),
+    }
+}
+
+/// All tables of a kind.
+pub fn tables<T>(field: &Field<Tables<T>>) -> &[At<T>] {
+    field.value().map_or(&[], |tables| &tables.0)
+}
+
+/// The plan point `[x, −z]`, reported where it is out of this world.
+pub fn plan_point(pair: &At<Pair<f64>>, report: &mut Report) -> c64 {
+    let [x, y] = &pair.value;
+    for value in [x, y].into_iter().filter(|value| value.value.abs() > FARTHEST) {
+        let message = format!("{} metres is too far away", value.value);
+        report.fault(&value.place, message, format!("stay within {FARTHEST} metres"));
+    }
+    c64::new(x.value, y.value)
+}
+
+fn warp(field: &Field<raw::Warp>, report: &mut Report) -> Warp {
+    let Some(warp) = field.value() else {
+        return Warp::default();
+    };
+    let min_step = within(&warp.min_step, 1.0, "steps at least", report);
+    let max_step = warp.max_step.given().map(|step| {
+        if step.value < 1.0 {
+            let message = format!("max_step = {} would forbid the original step", step.value);
+            report.fault(&step.place, message, "write a number of at least 1");
+        }
+        step.value
+    });
+    Warp { min_step, max_step }
+}
+
+fn cast(raw: &raw::Scene, clips: &[Declared], report: &mut Report) -> Vec<Member> {
+    let characters = tables(&raw.character);
+    if characters.is_empty() && !matches!(raw.character, Field::Spoiled) {
+        let help = "add a [[character]] table with a name and a track of clips";
+        report.fault(&Place::default(), "the scene has no character", help);
+    }
+    let mut used = vec![false; clips.len()];
+    let cast = characters
+        .iter()
+        .map(|character| member(&character.value, clips, &mut used, report))
+        .collect();
+    clips::warn_of_unused(clips, &used, report);
+    cast
+}
+
+fn member(character: &raw::Character, clips: &[Declared], used: &mut [bool], report: &mut Report) -> Member {
+    if let Some(name) = character.name.given() {
+        check_name(name, "character", report);
+    }
+    let mut member = Member {
+        name: character.name.value().cloned().unwrap_or_default(),
+        track: Vec::new(),
+        track_is_known: true,
+    };
+    let Some(track) = character.track.given() else {
+        member.track_is_known = false;
+        return member;
+    };
+    if track.value.is_empty() {
+        report.fault(&track.place, "the track is empty", "name at least one clip");
+        member.track_is_known = false;
+    }
+    for At { value: name, place } in &track.value {
+        match clips::find(name, clips) {
+            Ok(clip) => {
+                used[clip] = true;
+                member.track.push(clips[clip].entry.clone());
+            }
+            Err(help) => {
+                report.fault(place, format!("no clip \"{name}\""), help);
+                member.track_is_known = false;
+                let events = Arc::default();
+                member.track.push(Entry { name: name.clone(), clip: None, events });
+            }
+        }
+    }
+    member
+}
+
+fn objects(raw: &raw::Scene, report: &mut Report) -> Objects {
+    let tables = tables(&raw.object);
+    let sound = tables
+        .iter()
+        .filter_map(|object| sound_object(object, report))
+        .collect();
+    let names = tables
+        .iter()
+        .map(|object| object.value.name.value().cloned().unwrap_or_default())
+        .collect();
+    Objects { names, sound }
+}
+
+fn sound_object(object: &At<raw::Object>, report: &mut Report) -> Option<Object> {
+    let At { value: raw, place } = object;
+    if let Some(name) = raw.name.given() {
+        check_name(name, "object", report);
+    }
+    if raw.position.is_absent() && raw.keys.is_absent() {
+        let help = "add position = [x, -z]: the middle of its base on the ground";
+        report.fault(place, "the object has no \"position\"", help);
+    }
+    for side in raw.size.value().into_iter().flatten() {
+        if side.value <= 0.0 || side.value > FARTHEST {
+            let message = format!("{} metres is no side of an object", side.value);
+            report.fault(&side.place, message, format!("write a number above 0 and at most {FARTHEST}"));
+        }
+    }
+    Some(Object {
+        name: raw.name.value()?.clone(),
+        size: raw.size.value()?.each_ref().map(|side| side.value),
+        position: plan_point(raw.position.given()?, report),
+        facing: raw.facing.value().map_or(0.0, |degrees| degrees.to_radians()),
+    })
+}
+
+/// Reports characters and objects that share a name.
+fn check_unique(raw: &raw::Scene, report: &mut Report) {
+    let characters = tables(&raw.character)
+        .iter()
+        .map(|character| (&character.value.name, "character"));
+    let objects = tables(&raw.object)
+        .iter()
+        .map(|object| (&object.value.name, "object"));
+    let mut first: BTreeMap<&String, &str> = BTreeMap::new();
+    for (name, kind) in characters.chain(objects) {
+        let Some(At { value: name, place }) = name.given() else {
+            continue;
+        };
+        if let Some(other) = first.get(name) {
+            let message = format!("there already is a{} \"{name}\"", article(other));
+            report.fault(place, message, format!("give this {kind} a name of its own"));
+        } else {
+            first.insert(name, kind);
+        }
+    }
+}
+
+fn article(noun: &str) -> String {
+    let n = if noun.starts_with('o') { "n" } else { "" };
+    format!("{n} {noun}")
+}
+
+/// Everybody whose track can be strung.
+fn characters(raw: &raw::Scene, cast: &[Member], checked: &Checked, report: &mut Report) -> Vec<Character> {
+    let tracks: Vec<Option<Track>> = tables(&raw.character)
+        .iter()
+        .zip(cast)
+        .enumerate()
+        .map(|(index, (character, member))| {
+            let protected = protected(CharacterId::from_usize(index), &checked.constraints);
+            track(&character.value, member, &protected, report)
+        })
+        .collect();
+    constraints::check_intervals(checked, cast, &tracks, report);
+    cast.iter()
+        .zip(tracks)
+        .filter_map(|(member, track)| {
+            let name = member.name.clone();
+            track.map(|track| Character { name, track })
+        })
+        .collect()
+}
+
+/// Frames of `character` that moments name.
+fn protected(character: CharacterId, constraints: &[Constraint]) -> Vec<Protected> {
+    constraints
+        .iter()
+        .flat_map(|constraint| constraint.kind.moments())
+        .filter(|moment| moment.character == character)
+        .filter_map(|moment| match moment.instant {
+            Instant::Frame { entry, working } => {
+                let moment = moment.name.clone();
+                Some(Protected { entry, working, moment })
+            }
+            _ => None,
+        })
+        .collect()
+}
+
+fn track(
+    character: &raw::Character,
+    member: &Member,
+    protected: &[Protected],
+    report: &mut Report,
+) -> Option<Track> {
+    let position = character
+        .position
+        .given()
+        .map(|position| plan_point(position, report));
+    let facing = character.facing.value().map(|degrees| degrees.to_radians());
+    let places = character.track.given()?;
+    let clips: Option<Vec<_>> = member.track.iter().map(|entry| entry.clip.clone()).collect();
+    let clips = clips.filter(|clips| !clips.is_empty())?;
+    let skeleton = &clips[0].clip.skeleton;
+    if let Some(other) = clips.iter().position(|clip| !skeleton.matches(&clip.clip.skeleton)) {
+        let (first, second) = (&clips[0].name, &clips[other].name);
+        let message = format!(
+            "\"{first}\" and \"{second}\" have different skeletons; a track that mixes skeletons is not available yet"
+        );
+        report.fault(&places.value[other].place, message, "use clips of one skeleton on a track");
+        return None;
+    }
+    match Track::string(clips, protected, (position, facing)) {
+        Ok((track, seams)) => {
+            for seam in seams.iter().filter(|seam| seam.distance > seam.admissible) {
+                let place = places.value.get(seam.entry).map_or(&places.place, |at| &at.place);
+                warn_of_seam((seam.distance, seam.admissible), &member.track, seam.entry, (place, report));
+            }
+            Some(track)
+        }
+        Err(error) => {
+            let StringingError::MomentsClash { entry, .. } = error;
+            let place = places.value.get(entry).map_or(&places.place, |at| &at.place);
+            let help = "name frames farther from the seam, or put another clip between the two";
+            report.fault(place, error.to_string(), help);
+            None
+        }
+    }
+}
+
+fn warn_of_seam(
+    (distance, admissible): (f64, f64),
+    track: &[Entry],
+    entry: usize,
+    (place, report): (&Place, &mut Report),
+) {
+    let name = |entry: usize| track.get(entry).map_or("", |entry| entry.name.as_str());
+    let (before, after) = (name(entry), name(entry + 1));
+    let message = format!(
+        "\"{before}\" and \"{after}\" meet at unlike poses (distance {distance:.2}, similar up to {admissible:.2})"
+    );
+    report.warn(place, message, "put a clip between them, or choose other frames of either");
+}

@@ -1,11 +1,30 @@
 //! A choreography: who performs what, and what must hold. A sound [`Scene`] never panics later.
 
 pub mod check;
+pub mod clips;
+pub mod constraints;
+pub mod diagnostic;
+pub mod load;
+pub mod moment;
 pub mod raw;
+pub mod report;
+pub mod schema;
+pub mod sources;
+mod standin;
+pub mod suggest;
+pub mod ties;
+pub mod tree;
+pub mod unavailable;
+pub mod values;
 
 use crate::constraint::Constraint;
 use crate::geometry::c64;
 use crate::track::Track;
+
+pub use clips::ClipFolders;
+pub use diagnostic::{Diagnostic, Rendering, SceneFaults, Severity, render};
+pub use load::{Loaded, load, load_text};
+pub use schema::schema;
 
 /// A choreography that has passed every check.
 #[derive(Clone, Debug, PartialEq)]

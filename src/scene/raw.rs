@@ -1,1 +1,300 @@
-//! To come.
+//! What a scene file says, word for word: one type per table, with the docs that editors show.
+
+use std::collections::BTreeMap;
+
+use schemars::JsonSchema;
+use toml::de::DeValue;
+
+use crate::scene::report::{At, Report};
+use crate::scene::tree::{Field, Keys, Node, Read, table, wrong_type};
+use crate::scene::unavailable::{Carry, Discrete, Drag, EndEffector, FullBody, ObjectKey, Physics};
+use crate::scene::values::{
+    Mode, Named, Offset, OneOrPair, Pair, RelativeFacing, Strength, Tables, Triple, Unit, Up,
+};
+
+table! {
+    /// A choreography: who performs which clips, what must hold, and which stages run.
+    Scene {
+        required {}
+        optional {
+            /// For people.
+            title: String,
+            /// Rate of the result, frames per second (30 if left out).
+            #[schemars(range(max = 1000))]
+            fps: f64,
+            /// Which column of settings holds ("production" if left out).
+            mode: Mode,
+            /// Name = source of every clip that tracks use.
+            clips: Named<Clip>,
+            /// Who performs.
+            character: Tables<Character>,
+            /// Things that stand in the scene, or are carried.
+            object: Tables<Object>,
+            /// Where somebody is, and how they face.
+            pin: Tables<Pin>,
+            /// Where somebody is relative to somebody else or to an object.
+            relative: Tables<Relative>,
+            /// Who has an object when.
+            carry: Tables<Carry>,
+            /// Where a hand or foot is.
+            end_effector: Tables<EndEffector>,
+            /// When a moment happens.
+            time: Tables<Time>,
+            /// How long something takes.
+            duration: Tables<Duration>,
+            /// What happens together.
+            sync: Tables<Sync>,
+            /// Scripted manipulation, in order.
+            drag: Tables<Drag>,
+            /// Insertion and removal of steps.
+            discrete: Discrete,
+            /// Bounds on the time warp.
+            warp: Warp,
+            /// Physical plausibility.
+            physics: Physics,
+            /// Feet and hands of the whole body.
+            full_body: FullBody,
+        }
+    }
+}
+
+/// Where a clip comes from: "FILE", "mocap:FILE", "builtin:NAME", or a table.
+#[derive(Clone, Debug, JsonSchema)]
+#[schemars(untagged)]
+pub enum Clip {
+    /// A file relative to the scene file, `mocap:` and a file below $COTILLION_MOCAP, or `builtin:` and a generated clip.
+    Source(String),
+    /// A file, and how to read it.
+    File(Box<FileClip>),
+    /// A generated clip.
+    Builtin(Box<BuiltinClip>),
+}
+
+impl Read for Clip {
+    fn read(node: &Node<'_>, report: &mut Report) -> Option<Self> {
+        match node.value {
+            DeValue::String(_) => String::read(node, report).map(Self::Source),
+            DeValue::Table(keys) if keys.contains_key("builtin") => {
+                let clip = BuiltinClip::read(node, report)?;
+                Some(Self::Builtin(Box::new(clip)))
+            }
+            DeValue::Table(_) => {
+                let clip = FileClip::read(node, report)?;
+                Some(Self::File(Box::new(clip)))
+            }
+            _ => {
+                wrong_type(node, "a file name in quotes, or a table with \"file\" or \"builtin\"", report);
+                None
+            }
+        }
+    }
+}
+
+table! {
+    /// A file, and how to read it.
+    FileClip {
+        required {
+            /// File relative to the scene file, or `mocap:` and a file below $COTILLION_MOCAP.
+            file: String,
+        }
+        optional {
+            /// First and last frame to use: the file's own, from 0, both included.
+            frames: Pair<u32>,
+            /// Named frames: the file's own, from 0.
+            events: Named<u32>,
+            /// Frames per second, where the file is wrong about it.
+            #[schemars(range(max = 1000))]
+            fps: f64,
+            /// Unit of length, where the file is silent.
+            unit: Unit,
+            /// The axis that points up, where the file is silent.
+            up: Up,
+            /// Skeleton (ASF) of a motion (AMC).
+            skeleton: String,
+        }
+    }
+}
+
+/// A generated clip; every further key is a parameter of it.
+#[derive(Clone, Debug, JsonSchema)]
+pub struct BuiltinClip {
+    /// Which one.
+    pub builtin: Field<String>,
+    /// First and last frame to use, from 0, both included.
+    #[schemars(default)]
+    pub frames: Field<Pair<u32>>,
+    /// Named frames, from 0, besides its own.
+    #[schemars(default)]
+    pub events: Field<Named<u32>>,
+    /// Parameters of the generated clip.
+    #[schemars(flatten, with = "BTreeMap<String, f64>")]
+    pub parameters: BTreeMap<String, At<f64>>,
+}
+
+impl Read for BuiltinClip {
+    fn read(node: &Node<'_>, report: &mut Report) -> Option<Self> {
+        let mut keys = Keys::of(node, report)?;
+        Some(Self {
+            builtin: keys.required("builtin"),
+            frames: keys.optional("frames"),
+            events: keys.optional("events"),
+            parameters: keys.remaining(),
+        })
+    }
+}
+
+table! {
+    /// Somebody who performs.
+    Character {
+        required {
+            /// Unique among characters and objects, without `/`, `:` and `#`.
+            name: String,
+            /// Clips strung on one time track, by name.
+            track: Vec<At<String>>,
+        }
+        optional {
+            /// Where the track starts before the edit, metres `[x, -z]`; left out: where the clip has it.
+            position: Pair<f64>,
+            /// Where the body looks there, degrees counter-clockwise from +x seen from above; left out: as in the clip.
+            facing: f64,
+        }
+    }
+}
+
+table! {
+    /// A thing in the scene.
+    Object {
+        required {
+            /// Unique among characters and objects, without `/`, `:` and `#`.
+            name: String,
+            /// Ahead, up, across, metres.
+            size: Triple<f64>,
+        }
+        optional {
+            /// Middle of its base, metres `[x, -z]`.
+            position: Pair<f64>,
+            /// Where it points, degrees counter-clockwise from +x seen from above (0 if left out).
+            facing: f64,
+            /// Where it is when, for a thing that moves by itself.
+            keys: Tables<ObjectKey>,
+        }
+    }
+}
+
+table! {
+    /// Where somebody is, and how they face.
+    Pin {
+        required {}
+        optional {
+            /// For reports and drags.
+            name: String,
+            /// The moment: `ann:start`, `ann/slap:hit`, `ann/walk#2:57`.
+            at: String,
+            /// An interval in place of a moment: its first and last moment, of one character.
+            during: Pair<String>,
+            /// Metres on the ground plan, `[x, -z]`; left out: not held.
+            position: Pair<f64>,
+            /// Degrees counter-clockwise from +x seen from above; left out: not held.
+            facing: f64,
+            /// "hard", or a weight; left out: soft with the default weight.
+            strength: Strength,
+        }
+    }
+}
+
+table! {
+    /// Where somebody is relative to somebody else or to an object.
+    Relative {
+        required {
+            /// A moment (or a pair of moments, with `during`) of somebody else, or the name of an object.
+            to: OneOrPair,
+        }
+        optional {
+            /// For reports and drags.
+            name: String,
+            /// The moment.
+            at: String,
+            /// An interval in place of a moment: its first and last moment, of one character.
+            during: Pair<String>,
+            /// Metres ahead and to the left of the partner; left out: as before the edit; "free": not held.
+            offset: Offset,
+            /// Degrees from the partner's facing; left out: not held; "rest": as before the edit.
+            facing: RelativeFacing,
+            /// "hard", or a weight; left out: soft with the default weight.
+            strength: Strength,
+        }
+    }
+}
+
+table! {
+    /// When a moment happens.
+    Time {
+        required {
+            /// The moment.
+            at: String,
+            /// Scene time.
+            seconds: f64,
+        }
+        optional {
+            /// For reports and drags.
+            name: String,
+            /// "hard", or a weight; left out: soft with the default weight.
+            strength: Strength,
+        }
+    }
+}
+
+table! {
+    /// How long something takes.
+    Duration {
+        required {
+            /// The moment at which it begins.
+            from: String,
+            /// The moment at which it ends, of the same character.
+            to: String,
+            /// How long.
+            #[schemars(range(min = 0))]
+            seconds: f64,
+        }
+        optional {
+            /// For reports and drags.
+            name: String,
+            /// "hard", or a weight; left out: soft with the default weight.
+            strength: Strength,
+        }
+    }
+}
+
+table! {
+    /// Moments, or intervals, that happen together.
+    Sync {
+        required {}
+        optional {
+            /// For reports and drags.
+            name: String,
+            /// Two or more moments of different characters.
+            moments: Vec<At<String>>,
+            /// Two or more intervals of different characters, in place of moments.
+            intervals: Vec<At<Pair<String>>>,
+            /// Of two: time of the first minus time of the second, seconds.
+            offset: f64,
+            /// "hard", or a weight; left out: soft with the default weight.
+            strength: Strength,
+        }
+    }
+}
+
+table! {
+    /// Bounds on the time warp, as multiples of the original step.
+    Warp {
+        required {}
+        optional {
+            /// Smallest step, above 0 and at most 1.
+            #[schemars(range(max = 1))]
+            min_step: f64,
+            /// Largest step, at least 1.
+            #[schemars(range(min = 1))]
+            max_step: f64,
+        }
+    }
+}

@@ -1,0 +1,306 @@
+//! Clips of a scene: where each comes from, what range of it is used, and its named frames. Each distinct source is
+//! read once, in parallel.
+
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use rayon::prelude::*;
+
+use crate::clip::Clip;
+use crate::clip::working::{WORKING_STEP, WorkingClip};
+use crate::index::SourceFrame;
+use crate::scene::moment::{Entry, SEPARATORS};
+use crate::scene::raw;
+use crate::scene::report::{At, Place, Report};
+use crate::scene::sources::{FileOptions, Read, Source, Unreadable, read};
+use crate::scene::suggest;
+use crate::scene::tree::Field;
+use crate::scene::values::{Named, Pair, Unit, UnitName, Up, WordOr};
+
+/// Where clips are looked for besides the folder of the scene file.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct ClipFolders {
+    /// Where `mocap:` files are; `None` if nobody has said.
+    pub mocap: Option<PathBuf>,
+}
+
+impl ClipFolders {
+    /// What `$COTILLION_MOCAP` says.
+    pub fn from_environment() -> Self {
+        let mocap = std::env::var_os("COTILLION_MOCAP").filter(|folder| !folder.is_empty());
+        Self { mocap: mocap.map(PathBuf::from) }
+    }
+}
+
+/// A clip of the `[clips]` table.
+#[derive(Clone, Debug)]
+pub struct Declared {
+    /// Where it is declared.
+    pub place: Place,
+    /// What it is, as far as it is sound.
+    pub entry: Entry,
+}
+
+/// Shortest clip: paths need three working frames to have a shape.
+const FEWEST_WORKING_FRAMES: usize = 3;
+
+/// Longest clip, seconds: a day. What is longer comes from a wrong rate.
+const LONGEST_CLIP: f64 = 86_400.0;
+
+/// Reads the clips that `scene` declares. `folder`: where the scene file is.
+pub fn declared(scene: &raw::Scene, folder: &Path, folders: &ClipFolders, report: &mut Report) -> Vec<Declared> {
+    let clips: &[_] = scene.clips.value().map_or(&[], |clips| &clips.0);
+    let sources: Vec<_> = clips
+        .iter()
+        .map(|(name, clip)| {
+            check_name(&At { value: name.clone(), place: clip.place.clone() }, "clip", report);
+            source_of(clip, folder, folders, report)
+        })
+        .collect();
+    let results = read_once(&sources);
+    clips
+        .iter()
+        .zip(&sources)
+        .map(|((name, clip), source)| {
+            let place = &clip.place;
+            let read = source.as_ref().and_then(|source| match &results[&source.key()] {
+                Ok(read) => Some(read),
+                Err(Unreadable { message, help }) => {
+                    report.fault(place, message.clone(), help.clone());
+                    None
+                }
+            });
+            let entry = entry(name, clip, read, report);
+            Declared { place: place.clone(), entry }
+        })
+        .collect()
+}
+
+/// Reports a name that moments could not hold.
+pub fn check_name(name: &At<String>, what: &str, report: &mut Report) {
+    let text = &name.value;
+    let separator = text.chars().find(|c| SEPARATORS.contains(c) || c.is_control());
+    if text.trim().is_empty() {
+        let message = format!("a {what} needs a name");
+        report.fault(&name.place, message, "write at least one letter or digit");
+    } else if let Some(separator) = separator {
+        let message = format!("a {what} cannot be called {text:?}: it holds {separator:?}");
+        let help = "leave out '/', ':', '#' and control characters, which moments use or cannot show";
+        report.fault(&name.place, message, help);
+    }
+}
+
+/// Reads every distinct source once.
+fn read_once(sources: &[Option<Source>]) -> BTreeMap<String, Result<Read, Unreadable>> {
+    let distinct: BTreeMap<String, &Source> = sources
+        .iter()
+        .flatten()
+        .map(|source| (source.key(), source))
+        .collect();
+    distinct
+        .into_par_iter()
+        .map(|(key, source)| (key, read(source)))
+        .collect()
+}
+
+fn source_of(clip: &At<raw::Clip>, folder: &Path, folders: &ClipFolders, report: &mut Report) -> Option<Source> {
+    match &clip.value {
+        raw::Clip::Source(text) => named_source(text, &clip.place, FileOptions::default(), (folder, folders), report),
+        raw::Clip::File(file) => {
+            let options = options_of(file, report);
+            if let Some(skeleton) = file.skeleton.given() {
+                refuse_acclaim(&skeleton.place, report);
+                return None;
+            }
+            let At { value, place } = file.file.given()?;
+            if value.starts_with("builtin:") {
+                let help = "write { builtin = \"NAME\" } for a generated clip";
+                report.fault(place, "a generated clip is no file", help);
+                return None;
+            }
+            named_source(value, place, options?, (folder, folders), report)
+        }
+        raw::Clip::Builtin(builtin) => Some(Source::Builtin {
+            name: builtin.builtin.value()?.clone(),
+            parameters: builtin
+                .parameters
+                .iter()
+                .map(|(key, value)| (key.clone(), value.value))
+                .collect(),
+        }),
+    }
+}
+
+/// Source that `text` names: `builtin:NAME`, `mocap:PATH` or a path.
+fn named_source(
+    text: &str,
+    place: &Place,
+    options: FileOptions,
+    (folder, folders): (&Path, &ClipFolders),
+    report: &mut Report,
+) -> Option<Source> {
+    if let Some(name) = text.strip_prefix("builtin:") {
+        return Some(Source::Builtin { name: name.to_owned(), parameters: BTreeMap::new() });
+    }
+    let lower = text.to_ascii_lowercase();
+    if lower.ends_with(".amc") || lower.ends_with(".asf") {
+        refuse_acclaim(place, report);
+        return None;
+    }
+    let path = match (text.strip_prefix("mocap:"), &folders.mocap) {
+        (None, _) => folder.join(text),
+        (Some(below), Some(mocap)) => mocap.join(below),
+        (Some(_), None) => {
+            let message = format!("\"{text}\" is below $COTILLION_MOCAP, which is not set");
+            let help = "set COTILLION_MOCAP to the folder of your motion capture";
+            report.fault(place, message, help);
+            return None;
+        }
+    };
+    Some(Source::File { path, options })
+}
+
+fn refuse_acclaim(place: &Place, report: &mut Report) {
+    let message = "ASF/AMC clips are not available yet";
+    report.fault(place, message, "convert the clip to BVH, or remove it");
+}
+
+/// How to read a file; `None`, reported, if it cannot be read so.
+fn options_of(file: &raw::FileClip, report: &mut Report) -> Option<FileOptions> {
+    let fps = within(&file.fps, 1000.0, "frames per second", report);
+    let unit_to_m = match file.unit.given() {
+        None => None,
+        Some(At { value: WordOr::Word(name), .. }) => Some(match name {
+            UnitName::Metre => 1.0,
+            UnitName::Centimetre => 0.01,
+            UnitName::Inch => 0.0254,
+        }),
+        Some(At { value: Unit::Other(metres), place }) => {
+            let given = At { value: *metres, place: place.clone() };
+            Some(within(&Field::Given(given), 1000.0, "metres per unit of the file", report)?)
+        }
+    };
+    let up: Option<Up> = file.up.value().copied();
+    let spoiled = fps.is_none() && !file.fps.is_absent();
+    (!spoiled).then_some(FileOptions { fps, unit_to_m, up })
+}
+
+/// A number above 0 and at most `largest`; `None` where it is left out, or reported if it is not within.
+pub fn within(field: &Field<f64>, largest: f64, what: &str, report: &mut Report) -> Option<f64> {
+    let At { value, place } = field.given()?;
+    if *value > 0.0 && *value <= largest {
+        return Some(*value);
+    }
+    let message = format!("{value} is no number of {what}");
+    let help = format!("write a number above 0 and at most {largest}");
+    report.fault(place, message, help);
+    None
+}
+
+/// The clip as its tracks use it: range and named frames.
+fn entry(name: &str, declared: &At<raw::Clip>, read: Option<&Read>, report: &mut Report) -> Entry {
+    let (frames, events) = match &declared.value {
+        raw::Clip::Source(_) => (&Field::Absent, &Field::Absent),
+        raw::Clip::File(file) => (&file.frames, &file.events),
+        raw::Clip::Builtin(builtin) => (&builtin.frames, &builtin.events),
+    };
+    check_event_names(events, report);
+    let Some(Read { clip, notes }) = read else {
+        return Entry { name: name.to_owned(), clip: None, events: Arc::default() };
+    };
+    for note in notes {
+        let help = "give fps, unit or up in the clip's table if this is not right";
+        report.warn(&declared.place, format!("clip \"{name}\": {note}"), help);
+    }
+    let range = range(clip, frames, &declared.place, report);
+    let mut named = clip.events.clone();
+    if let Some(events) = events.value() {
+        named.extend(events.0.iter().map(|(event, frame)| (event.clone(), SourceFrame(frame.value))));
+        check_events(events, range, report);
+    }
+    let working = range.map(|(first, last)| WorkingClip::new(name, Arc::clone(clip), first, last));
+    Entry { name: name.to_owned(), clip: working.map(Arc::new), events: Arc::new(named) }
+}
+
+/// First and last frame to use; `None`, reported, if the clip has no such range.
+fn range(
+    clip: &Clip,
+    frames: &Field<Pair<u32>>,
+    place: &Place,
+    report: &mut Report,
+) -> Option<(SourceFrame, SourceFrame)> {
+    let (first, last, place) = match frames {
+        Field::Spoiled => return None,
+        Field::Absent => (clip.usable.0, clip.usable.1, place),
+        Field::Given(At { value: [first, last], place }) => {
+            (SourceFrame(first.value), SourceFrame(last.value), place)
+        }
+    };
+    let count = clip.frame_count();
+    if last.as_usize() >= count {
+        let message = format!("the file has {count} frames: frame {} is not among them", last.0);
+        report.fault(place, message, format!("frames count from 0: the last one is {}", count.saturating_sub(1)));
+        return None;
+    }
+    if first > last {
+        let message = format!("the first frame, {}, comes after the last, {}", first.0, last.0);
+        report.fault(place, message, format!("write frames = [{}, {}]", last.0, first.0));
+        return None;
+    }
+    let seconds = f64::from(last.0 - first.0) / clip.fps;
+    if seconds > LONGEST_CLIP {
+        let message = format!("{seconds:.0} seconds at {} frames a second is more than a day", clip.fps);
+        report.fault(place, message, "give the clip its right fps, or fewer frames");
+        return None;
+    }
+    let shortest = WORKING_STEP * (FEWEST_WORKING_FRAMES as f64 - 1.0);
+    if seconds < shortest * (1.0 - 1e-9) {
+        let message = format!("{seconds:.3} seconds are too short to be edited");
+        report.fault(place, message, format!("use a range of at least {shortest:.3} seconds"));
+        return None;
+    }
+    Some((first, last))
+}
+
+fn check_event_names(events: &Field<Named<u32>>, report: &mut Report) {
+    for (name, frame) in events.value().map_or(&[][..], |events| &events.0) {
+        check_name(&At { value: name.clone(), place: frame.place.clone() }, "event", report);
+        if name == "start" || name == "end" || name.parse::<u32>().is_ok() {
+            let message = format!("an event cannot be called \"{name}\"");
+            report.fault(&frame.place, message, "start, end and numbers already name frames: choose another name");
+        }
+    }
+}
+
+fn check_events(events: &Named<u32>, range: Option<(SourceFrame, SourceFrame)>, report: &mut Report) {
+    let Some((first, last)) = range else {
+        return;
+    };
+    for (name, frame) in &events.0 {
+        if !(first.0..=last.0).contains(&frame.value) {
+            let message = format!("the event \"{name}\" is at frame {}, outside the clip", frame.value);
+            let help = format!("the clip uses frames {} to {} of its file", first.0, last.0);
+            report.fault(&frame.place, message, help);
+        }
+    }
+}
+
+/// Warns of clips that no track uses.
+pub fn warn_of_unused(clips: &[Declared], used: &[bool], report: &mut Report) {
+    for (clip, _) in clips.iter().zip(used).filter(|(_, used)| !**used) {
+        let message = format!("no track uses clip \"{}\"", clip.entry.name);
+        report.warn(&clip.place, message, "put it on a track, or remove it");
+    }
+}
+
+/// Position of the clip called `name`, or what to do about its absence.
+pub fn find(name: &str, clips: &[Declared]) -> Result<usize, String> {
+    clips
+        .iter()
+        .position(|clip| clip.entry.name == name)
+        .ok_or_else(|| {
+            let names: Vec<_> = clips.iter().map(|clip| clip.entry.name.as_str()).collect();
+            suggest::remedy(name, "clips", &names)
+        })
+}
