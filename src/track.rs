@@ -2,9 +2,10 @@
 
 use std::sync::Arc;
 
+use crate::clip::facing::facing;
 use crate::clip::working::WorkingClip;
 use crate::constraint::Instant;
-use crate::geometry::{RigidMotion, c64, exp, lerp_angle, log, slerp, smoothstep, yaw};
+use crate::geometry::{RigidMotion, c64, exp, log, slerp, smoothstep, yaw};
 use crate::index::{FrameIndex, floor_index};
 use crate::path::RestPath;
 use crate::similarity::{admissible_distance, features, mean_rotations};
@@ -48,32 +49,12 @@ pub struct Protected {
 pub struct SeamChoice {
     /// Position in the `track` list of the clip before the seam.
     pub entry: usize,
-    /// Distance of the two matched frames (`spec` of the similarity module).
+    /// Distance of the two matched frames, as in [`crate::similarity`].
     pub distance: f64,
     /// Largest distance at which frames count as similar.
     pub admissible: f64,
-}
-
-/// Why clips could not be strung.
-#[derive(Debug, PartialEq, thiserror::Error)]
-#[non_exhaustive]
-pub enum StringingError {
-    /// Protected frames leave nothing to cut.
-    #[error("between {before} and {after} no frame is left to join the clips: moments {} need them all", list(.moments))]
-    MomentsClash {
-        /// Clip before the seam.
-        before: String,
-        /// Clip after the seam.
-        after: String,
-        /// Moments whose frames are in the way.
-        moments: Vec<String>,
-        /// Position in the `track` list of the clip before the seam.
-        entry: usize,
-    },
-}
-
-fn list(moments: &[String]) -> String {
-    moments.iter().map(|name| format!("\"{name}\"")).collect::<Vec<_>>().join(", ")
+    /// Moments whose frames narrowed the search: they may not be dropped.
+    pub held_by: Vec<String>,
 }
 
 /// Half-width of a seam's blend, frames.
@@ -88,19 +69,16 @@ impl Track {
     /// the pair whose frames e and b−1 are most alike; of equals, the one that drops the fewest frames.
     /// `protected`: frames that must stay, with one on either side. `start`: where the first frame's root goes and how its
     /// body faces there; what is left out stays as in the clip.
-    ///
-    /// # Errors
-    /// [`StringingError::MomentsClash`] where protected frames leave no pair to join.
     pub fn string(
         clips: Vec<Arc<WorkingClip>>,
         protected: &[Protected],
         start: (Option<c64>, Option<f64>),
-    ) -> Result<(Self, Vec<SeamChoice>), StringingError> {
+    ) -> (Self, Vec<SeamChoice>) {
         let mut firsts = vec![0; clips.len()];
         let mut lasts: Vec<usize> = clips.iter().map(|clip| clip.frame_count() - 1).collect();
         let mut seams = Vec::new();
         for entry in 0..clips.len().saturating_sub(1) {
-            let seam = best_seam(&clips, entry, firsts[entry], protected)?;
+            let seam = best_seam(&clips, entry, firsts[entry], protected);
             lasts[entry] = seam.last;
             firsts[entry + 1] = seam.first;
             seams.push(seam.choice);
@@ -115,7 +93,7 @@ impl Track {
             .collect();
         let mut track = Self { clips, runs };
         track.place(start);
-        Ok((track, seams))
+        (track, seams)
     }
 
     /// Places the first run by `start`, each later run on the one before it.
@@ -155,7 +133,8 @@ impl Track {
         if run.last.as_usize() + 1 == clip.frame_count() { clip.overhang } else { 0.0 }
     }
 
-    /// Track frame, a fraction where rates differ, of `instant`; `None` if the track does not show it.
+    /// Track frame, a fraction where rates differ, of `instant`; `None` if the track does not show it. File frames past
+    /// the last working frame of a clip that others follow are shown within the seam.
     pub fn locate(&self, instant: Instant) -> Option<f64> {
         let end = self.frame_count() as f64 - 1.0;
         let runs_of = |entry: usize| self.placed_runs().filter(move |(run, _)| run.entry == entry);
@@ -170,8 +149,9 @@ impl Track {
             }),
             Instant::Frame { entry, working } => runs_of(entry).find_map(|(run, start)| {
                 let offset = working - f64::from(run.first.0);
-                let last = last_of(run, start) - start as f64;
-                let reach = if start as f64 + last == end { last + self.overhang() } else { last };
+                let clip = &self.clips[run.entry];
+                let whole = run.last.as_usize() + 1 == clip.frame_count();
+                let reach = last_of(run, start) - start as f64 + if whole { clip.overhang } else { 0.0 };
                 (-1e-9..=reach + 1e-9).contains(&offset).then(|| start as f64 + offset.clamp(0.0, reach))
             }),
         }
@@ -233,21 +213,16 @@ impl Track {
         interpolate(&before, &after, frame - last as f64)
     }
 
-    /// Facing of the body at a fractional track frame at rest, radians.
+    /// Facing of the body in the placed rest pose at a fractional track frame, radians; where the pose does not show it,
+    /// that of the clip.
     pub fn heading(&self, frame: f64) -> f64 {
         let (index, start) = self.run_at(floor_index(frame).min(self.frame_count() - 1));
         let run = &self.runs[index];
-        let last = start + run.frame_count() - 1;
-        let own = |index: usize, start: usize, frame: f64| {
-            let run = &self.runs[index];
-            let working = f64::from(run.first.0) + frame - start as f64;
-            self.clips[run.entry].facing(working) + run.placement.angle()
-        };
-        if frame <= last as f64 || index + 1 == self.runs.len() {
-            return own(index, start, frame);
-        }
-        let (before, after) = (own(index, start, last as f64), own(index + 1, last + 1, (last + 1) as f64));
-        lerp_angle(before, after, frame - last as f64)
+        let clip = &self.clips[run.entry];
+        let working = f64::from(run.first.0) + frame - start as f64;
+        let known = clip.facing(working.min(f64::from(run.last.0) + clip.overhang)) + run.placement.angle();
+        let skeleton = &clip.clip.skeleton;
+        facing(skeleton, &skeleton.forward_kinematics(&self.pose(frame))).unwrap_or(known)
     }
 
     /// Placed pose of one run, with its share of the blends at both ends.
@@ -343,7 +318,7 @@ fn best_seam(
     entry: usize,
     start: usize,
     protected: &[Protected],
-) -> Result<Seam, StringingError> {
+) -> Seam {
     let (a, b) = (&clips[entry], &clips[entry + 1]);
     let range = |clip: &WorkingClip| (clip.frame_count() / 2).min(SEAM_WINDOW);
     let frames_of = |entry: usize| protected.iter().filter(move |frame| frame.entry == entry);
@@ -370,10 +345,14 @@ fn best_seam(
             }
         }
     }
-    let Some((_, distance, _, last, first)) = best else {
-        let moments = frames_of(entry).chain(frames_of(entry + 1)).map(|frame| frame.moment.clone()).collect();
-        return Err(StringingError::MomentsClash { before: a.name.clone(), after: b.name.clone(), moments, entry });
-    };
+    let (_, distance, _, last, first) = best.expect("the last frame of one clip and the first of the next may always meet");
     let admissible = admissible_distance(a, &features_a).max(admissible_distance(b, &features_b));
-    Ok(Seam { last, first, choice: SeamChoice { entry, distance, admissible } })
+    let free = |entry: usize| protected.iter().filter(move |frame| frame.entry == entry);
+    let window = (a.frame_count() - 1 - range(a), range(b));
+    let held_by = free(entry)
+        .filter(|frame| floor_index(frame.working.ceil()) + 1 > window.0)
+        .chain(free(entry + 1).filter(|frame| floor_index(frame.working) <= window.1))
+        .map(|frame| frame.moment.clone())
+        .collect();
+    Seam { last, first, choice: SeamChoice { entry, distance, admissible, held_by } }
 }

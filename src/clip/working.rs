@@ -121,11 +121,3 @@ impl WorkingClip {
         self.headings[nearest] + turn_about_up(frames[0].rotation * at_nearest.inverse())
     }
 }
-
-impl WorkingClip {
-    /// Stub.
-    pub fn facing(&self, working: f64) -> f64 {
-        let (a, b, s) = (working.floor() as usize, working.ceil() as usize, working.fract());
-        self.headings[a] * (1.0 - s) + self.headings[b.min(self.headings.len() - 1)] * s
-    }
-}

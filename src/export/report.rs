@@ -7,8 +7,8 @@ use crate::constraint::Strength;
 use crate::edit::energy::{Energy, length};
 use crate::edit::{Edit, EditedCharacter};
 use crate::index::floor_index;
-use crate::metrics::foot_slide_of_track;
-use crate::resample::{Resampled, time_of};
+use crate::metrics::foot_slide;
+use crate::resample::{Resampled, rest_clip, shown_contacts, time_of};
 use crate::residual::{MomentTime, Residual, largest, moment_times, residuals};
 use crate::scene::{Character, Scene};
 
@@ -133,12 +133,15 @@ pub struct Timing {
 pub fn report(scene: &Scene, edit: &Edit, resampled: &Resampled) -> Report {
     let characters = scene.characters.iter().zip(&edit.characters).zip(&resampled.clips);
     let constraints = scene.constraints.iter().zip(residuals(scene, edit));
+    let clock = (scene.fps, resampled.start_time);
     Report {
         scene: scene.title.clone(),
         cotillion: env!("CARGO_PKG_VERSION"),
         fps: scene.fps,
         start_time: resampled.start_time,
-        characters: characters.map(|((character, edited), clip)| character_report(scene.fps, character, edited, clip)).collect(),
+        characters: characters
+            .map(|((character, edited), clip)| character_report(clock, character, edited, clip))
+            .collect(),
         constraints: constraints.map(|(constraint, residual)| constraint_report(constraint, &residual)).collect(),
         moments: moment_times(scene, edit).into_iter().map(|MomentTime { name, time }| MomentReport { name, time }).collect(),
         energy: edit.energy,
@@ -148,13 +151,20 @@ pub fn report(scene: &Scene, edit: &Edit, resampled: &Resampled) -> Report {
     }
 }
 
-fn character_report(fps: f64, character: &Character, edited: &EditedCharacter, clip: &Clip) -> CharacterReport {
+fn character_report(
+    (fps, start_time): (f64, f64),
+    character: &Character,
+    edited: &EditedCharacter,
+    clip: &Clip,
+) -> CharacterReport {
     let track = &character.track;
     let last = track.frame_count() as f64 - 1.0 + track.overhang();
     let steps = edited.times.windows(2).map(|pair| (pair[1] - pair[0]) / WORKING_STEP);
     let (min, max) = steps.fold((f64::INFINITY, f64::NEG_INFINITY), |(min, max), step| (min.min(step), max.max(step)));
     let still = edited.times.len() < 2;
-    let (rest_slide, edited_slide) = foot_slide_of_track(track, edited);
+    let rest = rest_clip(fps, track);
+    let rest_slide = foot_slide(&rest.clip, &rest.contacts).unwrap_or(0.0);
+    let edited_slide = foot_slide(clip, &shown_contacts(start_time, fps, track, edited, clip.frame_count()));
     CharacterReport {
         name: character.name.clone(),
         frames_in: floor_index(last * WORKING_STEP * fps + 1e-6) + 1,
@@ -162,7 +172,7 @@ fn character_report(fps: f64, character: &Character, edited: &EditedCharacter, c
         seconds: time_of(&edited.times, last) - edited.times[0],
         path_length: RestEdited { rest: length(&edited.rest.positions), edited: length(&edited.positions) },
         time_step: if still { MinMax { min: 1.0, max: 1.0 } } else { MinMax { min, max } },
-        foot_slide: RestEdited { rest: rest_slide, edited: edited_slide },
+        foot_slide: RestEdited { rest: rest_slide, edited: edited_slide.unwrap_or(0.0) },
         discrete: Vec::new(),
     }
 }

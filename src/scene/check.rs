@@ -14,7 +14,7 @@ use crate::scene::report::{At, Lines, Place, Report};
 use crate::scene::tree::Field;
 use crate::scene::values::{self, Pair, Tables};
 use crate::scene::{Character, Mode, Object, Scene, Warp, raw, ties, unavailable};
-use crate::track::{Protected, StringingError, Track};
+use crate::track::{Protected, SeamChoice, Track};
 
 /// Farthest from the origin that anything stands, metres.
 const FARTHEST: f64 = 1e5;
@@ -264,34 +264,26 @@ fn track(
         report.fault(&places.value[other].place, message, "use clips of one skeleton on a track");
         return None;
     }
-    match Track::string(clips, protected, (position, facing)) {
-        Ok((track, seams)) => {
-            for seam in seams.iter().filter(|seam| seam.distance > seam.admissible) {
-                let place = places.value.get(seam.entry).map_or(&places.place, |at| &at.place);
-                warn_of_seam((seam.distance, seam.admissible), &member.track, seam.entry, (place, report));
-            }
-            Some(track)
-        }
-        Err(error) => {
-            let StringingError::MomentsClash { entry, .. } = error;
-            let place = places.value.get(entry).map_or(&places.place, |at| &at.place);
-            let help = "name frames farther from the seam, or put another clip between the two";
-            report.fault(place, error.to_string(), help);
-            None
-        }
+    let (track, seams) = Track::string(clips, protected, (position, facing));
+    for seam in seams.iter().filter(|seam| seam.distance > seam.admissible) {
+        let place = places.value.get(seam.entry).map_or(&places.place, |at| &at.place);
+        warn_of_seam(seam, &member.track, (place, report));
     }
+    Some(track)
 }
 
-fn warn_of_seam(
-    (distance, admissible): (f64, f64),
-    track: &[Entry],
-    entry: usize,
-    (place, report): (&Place, &mut Report),
-) {
+fn warn_of_seam(seam: &SeamChoice, track: &[Entry], (place, report): (&Place, &mut Report)) {
     let name = |entry: usize| track.get(entry).map_or("", |entry| entry.name.as_str());
-    let (before, after) = (name(entry), name(entry + 1));
+    let (before, after) = (name(seam.entry), name(seam.entry + 1));
+    let SeamChoice { distance, admissible, held_by, .. } = seam;
     let message = format!(
         "\"{before}\" and \"{after}\" meet at unlike poses (distance {distance:.2}, similar up to {admissible:.2})"
     );
-    report.warn(place, message, "put a clip between them, or choose other frames of either");
+    let help = if held_by.is_empty() {
+        "put a clip between them, or choose other frames of either".to_owned()
+    } else {
+        let moments = held_by.iter().map(|moment| format!("\"{moment}\"")).collect::<Vec<_>>().join(", ");
+        format!("put a clip between them; {moments} must stay and left fewer frames to choose from")
+    };
+    report.warn(place, message, help);
 }

@@ -10,7 +10,6 @@ pub mod raw;
 pub mod report;
 pub mod schema;
 pub mod sources;
-mod standin;
 pub mod suggest;
 pub mod ties;
 pub mod tree;

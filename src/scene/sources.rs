@@ -6,8 +6,7 @@ use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use crate::clip::Clip;
-use crate::scene::standin::{builtin, bvh};
+use crate::clip::{Clip, builtin, bvh};
 use crate::scene::suggest;
 use crate::scene::values::Up;
 
@@ -86,7 +85,6 @@ fn read_file(path: &Path, options: FileOptions) -> Result<Read, Unreadable> {
         fps: options.fps,
         unit_to_m: options.unit_to_m,
         up: options.up.map(|up| match up {
-            Up::X => bvh::Up::X,
             Up::Y => bvh::Up::Y,
             Up::Z => bvh::Up::Z,
         }),

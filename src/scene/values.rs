@@ -229,8 +229,6 @@ words! {
 words! {
     /// The axis of a clip's file that points up.
     Up {
-        /// x is up.
-        X = "x",
         /// y is up.
         Y = "y",
         /// z is up.
