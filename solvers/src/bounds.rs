@@ -84,7 +84,9 @@ pub enum BoundsError {
     #[error("the system is singular: some unknown is free, or equality rows depend on each other")]
     Singular,
     /// Rows contradict each other.
-    #[error("inequality {row} misses its bound by {violation} where inequalities {certificate:?} and equalities {equalities:?} hold")]
+    #[error(
+        "inequality {row} misses its bound by {violation} where inequalities {certificate:?} and equalities {equalities:?} hold"
+    )]
     Infeasible {
         /// Row of `C` that cannot be met.
         row: usize,
@@ -154,7 +156,10 @@ impl BoundedQp {
         let size = n + equal + held.len();
         let mut kkt = DMatrix::zeros(size, size);
         kkt.view_mut((0, 0), (n, n)).copy_from(&self.hessian);
-        let rows = self.equalities.row_iter().chain(held.iter().map(|&row| self.inequalities.row(row)));
+        let rows = self
+            .equalities
+            .row_iter()
+            .chain(held.iter().map(|&row| self.inequalities.row(row)));
         for (k, row) in rows.enumerate() {
             kkt.view_mut((n + k, 0), (1, n)).copy_from(&row);
             kkt.view_mut((0, n + k), (n, 1)).copy_from(&row.transpose());
@@ -195,7 +200,10 @@ fn dual_active_set(qp: &BoundedQp) -> Result<BoundedSolution, BoundsError> {
                 return Err(step.infeasible(row, &active));
             }
             x += &step.direction * if step.full_length.is_finite() { length } else { 0.0 };
-            multipliers.iter_mut().zip(&step.relief).for_each(|(u, r)| *u -= length * r);
+            multipliers
+                .iter_mut()
+                .zip(&step.relief)
+                .for_each(|(u, r)| *u -= length * r);
             multiplier += length;
             match blocking {
                 Some((k, _)) if blocked_at < step.full_length => {
@@ -208,7 +216,12 @@ fn dual_active_set(qp: &BoundedQp) -> Result<BoundedSolution, BoundsError> {
         active.push(row);
         multipliers.push(multiplier);
     }
-    Ok(BoundedSolution { x: x.as_slice().to_vec(), active, multipliers, iterations })
+    Ok(BoundedSolution {
+        x: x.as_slice().to_vec(),
+        active,
+        multipliers,
+        iterations,
+    })
 }
 
 /// How `x` and the multipliers of the active rows move as the multiplier of a violated row grows.
@@ -232,18 +245,34 @@ impl Step {
         let missing = qp.lower_bounds[row] - normal.dot(x);
         let curvature = normal.dot(&direction);
         let least = CURVATURE_TOLERANCE * normal.norm_squared() / qp.hessian.amax();
-        let full_length = if curvature > least { (missing / curvature).max(0.0) } else { f64::INFINITY };
+        let full_length = if curvature > least {
+            (missing / curvature).max(0.0)
+        } else {
+            f64::INFINITY
+        };
         let (of_equalities, of_active) = relief.as_slice().split_at(equal);
         let (relief, equality_relief) = (of_active.to_vec(), of_equalities.to_vec());
-        Ok(Self { direction, relief, equality_relief, full_length, missing })
+        Ok(Self {
+            direction,
+            relief,
+            equality_relief,
+            full_length,
+            missing,
+        })
     }
 
     /// The active row whose multiplier reaches zero first, and when.
     fn blocking(&self, multipliers: &[f64]) -> Option<(usize, f64)> {
         let largest = self.relief.iter().fold(0.0_f64, |a, r| a.max(r.abs()));
         let falls = |r: f64| r > 1e-12 * largest;
-        let candidates = multipliers.iter().zip(&self.relief).enumerate().filter(|(_, (_, r))| falls(**r));
-        candidates.map(|(k, (u, r))| (k, u.max(0.0) / r)).reduce(|a, b| if b.1 < a.1 { b } else { a })
+        let candidates = multipliers
+            .iter()
+            .zip(&self.relief)
+            .enumerate()
+            .filter(|(_, (_, r))| falls(**r));
+        candidates
+            .map(|(k, (u, r))| (k, u.max(0.0) / r))
+            .reduce(|a, b| if b.1 < a.1 { b } else { a })
     }
 
     fn infeasible(&self, row: usize, active: &[usize]) -> BoundsError {
@@ -252,8 +281,19 @@ impl Step {
         let large = |(k, r): (usize, &f64)| (r.abs() > limit).then_some(k);
         BoundsError::Infeasible {
             row,
-            certificate: self.relief.iter().enumerate().filter_map(large).map(|k| active[k]).collect(),
-            equalities: self.equality_relief.iter().enumerate().filter_map(large).collect(),
+            certificate: self
+                .relief
+                .iter()
+                .enumerate()
+                .filter_map(large)
+                .map(|k| active[k])
+                .collect(),
+            equalities: self
+                .equality_relief
+                .iter()
+                .enumerate()
+                .filter_map(large)
+                .collect(),
             violation: self.missing,
         }
     }
@@ -263,22 +303,43 @@ fn clamp_and_repeat(qp: &BoundedQp) -> Result<BoundedSolution, BoundsError> {
     let mut active: Vec<usize> = Vec::new();
     for iterations in 0..=qp.inequalities.nrows() {
         let held = independent_rows(qp, &active)?;
-        let targets = qp.equality_targets.iter().copied().chain(held.iter().map(|&row| qp.lower_bounds[row]));
+        let targets = qp
+            .equality_targets
+            .iter()
+            .copied()
+            .chain(held.iter().map(|&row| qp.lower_bounds[row]));
         let targets = DVector::from_vec(targets.collect());
         let (x, forces) = qp.solve_held(&held, &qp.linear, &targets)?;
-        let violated: Vec<usize> =
-            (0..qp.inequalities.nrows()).filter(|&row| qp.violation(row, &x).is_some()).collect();
+        let violated: Vec<usize> = (0..qp.inequalities.nrows())
+            .filter(|&row| qp.violation(row, &x).is_some())
+            .collect();
         if violated.is_empty() {
-            let multipliers = forces.iter().skip(qp.equality_targets.len()).map(|w| -w).collect();
-            return Ok(BoundedSolution { x: x.as_slice().to_vec(), active: held, multipliers, iterations });
+            let multipliers = forces
+                .iter()
+                .skip(qp.equality_targets.len())
+                .map(|w| -w)
+                .collect();
+            return Ok(BoundedSolution {
+                x: x.as_slice().to_vec(),
+                active: held,
+                multipliers,
+                iterations,
+            });
         }
         if let Some(&row) = violated.iter().find(|row| active.contains(row)) {
             let violation = qp.violation(row, &x).unwrap_or(0.0);
-            return Err(BoundsError::Infeasible { row, certificate: held, equalities: Vec::new(), violation });
+            return Err(BoundsError::Infeasible {
+                row,
+                certificate: held,
+                equalities: Vec::new(),
+                violation,
+            });
         }
         active.extend(violated);
     }
-    Err(BoundsError::TooManyIterations { limit: qp.inequalities.nrows() })
+    Err(BoundsError::TooManyIterations {
+        limit: qp.inequalities.nrows(),
+    })
 }
 
 /// The clamped rows without those that repeat others.
@@ -286,38 +347,74 @@ fn independent_rows(qp: &BoundedQp, clamped: &[usize]) -> Result<Vec<usize>, Bou
     let equal = qp.equality_targets.len();
     let mut rows = RowMatrix::new(qp.linear.len());
     let mut push = |row: nalgebra::RowDVector<f64>| {
-        let terms: Vec<_> = row.iter().copied().enumerate().filter(|&(_, a)| a != 0.0).collect();
+        let terms: Vec<_> = row
+            .iter()
+            .copied()
+            .enumerate()
+            .filter(|&(_, a)| a != 0.0)
+            .collect();
         rows.push_row(&terms);
     };
     (0..equal).for_each(|k| push(qp.equalities.row(k).into_owned()));
-    clamped.iter().for_each(|&k| push(qp.inequalities.row(k).into_owned()));
-    let targets: Vec<f64> =
-        qp.equality_targets.iter().copied().chain(clamped.iter().map(|&k| qp.lower_bounds[k])).collect();
+    clamped
+        .iter()
+        .for_each(|&k| push(qp.inequalities.row(k).into_owned()));
+    let targets: Vec<f64> = qp
+        .equality_targets
+        .iter()
+        .copied()
+        .chain(clamped.iter().map(|&k| qp.lower_bounds[k]))
+        .collect();
     let scale = targets.iter().fold(0.0_f64, |a, b| a.max(b.abs()));
     let report = analyse_rank(&rows.to_csr());
     for dependency in &report.dependent {
         let violation = dependency.mismatch(&targets);
         if dependency.row >= equal && violation > 1e-9 * scale {
-            let others = dependency.certificate().into_iter().filter(|&k| k != dependency.row);
+            let others = dependency
+                .certificate()
+                .into_iter()
+                .filter(|&k| k != dependency.row);
             let (equalities, certificate): (Vec<_>, Vec<_>) = others.partition(|&k| k < equal);
             let certificate = certificate.into_iter().map(|k| clamped[k - equal]).collect();
             let row = clamped[dependency.row - equal];
-            return Err(BoundsError::Infeasible { row, certificate, equalities, violation });
+            return Err(BoundsError::Infeasible {
+                row,
+                certificate,
+                equalities,
+                violation,
+            });
         }
     }
-    Ok(report.independent.into_iter().filter(|&k| k >= equal).map(|k| clamped[k - equal]).collect())
+    Ok(report
+        .independent
+        .into_iter()
+        .filter(|&k| k >= equal)
+        .map(|k| clamped[k - equal])
+        .collect())
 }
 
 fn check(qp: &BoundedQp) -> Result<(), BoundsError> {
     let n = qp.linear.len();
     check_block("G", &qp.hessian, (n, n), f64::is_finite)?;
-    check_block("A", &qp.equalities, (qp.equality_targets.len(), n), f64::is_finite)?;
+    check_block(
+        "A",
+        &qp.equalities,
+        (qp.equality_targets.len(), n),
+        f64::is_finite,
+    )?;
     check_block("C", &qp.inequalities, (qp.lower_bounds.len(), n), f64::is_finite)?;
     let column = |v: &DVector<f64>| DMatrix::from_column_slice(v.len(), 1, v.as_slice());
     check_block("g", &column(&qp.linear), (n, 1), f64::is_finite)?;
-    check_block("b", &column(&qp.equality_targets), (qp.equality_targets.len(), 1), f64::is_finite)?;
+    check_block(
+        "b",
+        &column(&qp.equality_targets),
+        (qp.equality_targets.len(), 1),
+        f64::is_finite,
+    )?;
     let bounds = column(&qp.lower_bounds);
-    check_block("d", &bounds, (qp.lower_bounds.len(), 1), |d| d.is_finite() || d == f64::NEG_INFINITY)
+    check_block("d", &bounds, (qp.lower_bounds.len(), 1), |d| {
+        d.is_finite() || d == f64::NEG_INFINITY
+    })
 }
 
 fn check_block(
@@ -328,7 +425,13 @@ fn check_block(
 ) -> Result<(), BoundsError> {
     let (actual_rows, actual_columns) = matrix.shape();
     if (actual_rows, actual_columns) != (rows, columns) {
-        return Err(BoundsError::ShapeMismatch { block, rows, columns, actual_rows, actual_columns });
+        return Err(BoundsError::ShapeMismatch {
+            block,
+            rows,
+            columns,
+            actual_rows,
+            actual_columns,
+        });
     }
     match matrix.row_iter().position(|row| !row.iter().all(|&a| allowed(a))) {
         Some(row) => Err(BoundsError::NotFinite { block, row }),

@@ -111,7 +111,13 @@ pub fn analyse<T: Scalar>(problem: &LeastSquares<T>, form: KktForm) -> Result<An
     let (soft, hard) = (stretched.soft.to_csr(), stretched.hard.to_csr());
     let scales = (vec![1.0; soft.rows()], vec![1.0; hard.rows()]);
     let mut positions = Vec::new();
-    visit_entries(form, layout, (&soft, &scales.0), (&hard, &scales.1), |position, _| positions.push(position));
+    visit_entries(
+        form,
+        layout,
+        (&soft, &scales.0),
+        (&hard, &scales.1),
+        |position, _| positions.push(position),
+    );
     let assembly = Assembly::new(layout.size, &positions);
     let order = LuOrder::new(&assembly.pattern).map_err(|_| KktError::Singular)?;
     Ok(Analysis(Arc::new(Plan {
@@ -152,9 +158,12 @@ impl Analysis {
         let (soft_scales, hard_scales) = (row_scales(&soft), row_scales(&hard));
         let mut data = Vec::new();
         let blocks = ((&soft, soft_scales.as_slice()), (&hard, hard_scales.as_slice()));
-        visit_entries(plan.form, plan.layout, blocks.0, blocks.1, |_, value| data.push(value));
+        visit_entries(plan.form, plan.layout, blocks.0, blocks.1, |_, value| {
+            data.push(value)
+        });
         let values = plan.assembly.values(&data);
-        let lu = RefinedLu::new(&plan.assembly.pattern, &plan.order, values).map_err(|_| KktError::Singular)?;
+        let lu =
+            RefinedLu::new(&plan.assembly.pattern, &plan.order, values).map_err(|_| KktError::Singular)?;
         Ok(Factor {
             plan: self.0.clone(),
             problem: problem.clone(),
@@ -197,10 +206,17 @@ impl<T: Scalar> Factor<T> {
         check_length("x", self.plan.columns, x.len())?;
         let scale = self.fill_right_hand_side(m, h, &mut workspace.right_hand_side);
         let Layout { unknowns, .. } = self.plan.layout;
-        let Workspace { right_hand_side, unknowns: u, scratch, .. } = workspace;
+        let Workspace {
+            right_hand_side,
+            unknowns: u,
+            scratch,
+            ..
+        } = workspace;
         let watched = unknowns..unknowns + self.plan.columns;
         let pattern = &self.plan.assembly.pattern;
-        let refinement = self.lu.solve(pattern, (right_hand_side, u), watched.clone(), scratch);
+        let refinement = self
+            .lu
+            .solve(pattern, (right_hand_side, u), watched.clone(), scratch);
         let relative_residual = self.check_solution(scale, workspace)?;
         x.copy_from_slice(&workspace.unknowns[watched]);
         self.read_multipliers(workspace);
@@ -215,12 +231,20 @@ impl<T: Scalar> Factor<T> {
         let mut workspace = self.workspace();
         let mut x = vec![T::zero(); self.plan.columns];
         let report = self.solve_into(m, h, &mut x, &mut workspace)?;
-        Ok(Solution { x, multipliers: workspace.multipliers, report })
+        Ok(Solution {
+            x,
+            multipliers: workspace.multipliers,
+            report,
+        })
     }
 
     /// Writes the right-hand side and returns its scale: the largest scaled target.
     fn fill_right_hand_side(&self, m: &[T], h: &[T], out: &mut [T]) -> f64 {
-        let Layout { unknowns, multipliers, .. } = self.plan.layout;
+        let Layout {
+            unknowns,
+            multipliers,
+            ..
+        } = self.plan.layout;
         out.fill(T::zero());
         let mut scale = 0.0_f64;
         for (i, (&m_i, &d)) in m.iter().zip(&self.soft_scales).enumerate() {
@@ -231,7 +255,8 @@ impl<T: Scalar> Factor<T> {
         }
         if self.plan.form == KktForm::NormalEquations {
             for (row, &m_i) in self.stretched_soft.outer_iterator().zip(m) {
-                row.iter().for_each(|(j, &a)| out[unknowns + j] += a.conjugate() * m_i);
+                row.iter()
+                    .for_each(|(j, &a)| out[unknowns + j] += a.conjugate() * m_i);
             }
         }
         for (&row, &h_i) in self.plan.hard_rows.iter().zip(h) {
@@ -242,12 +267,22 @@ impl<T: Scalar> Factor<T> {
     }
     /// Relative residual of the scaled system, if it is small enough.
     fn check_solution(&self, scale: f64, workspace: &mut Workspace<T>) -> Result<f64, KktError> {
-        let Layout { unknowns, multipliers, .. } = self.plan.layout;
-        let Workspace { right_hand_side: b, unknowns: u, residual, .. } = workspace;
+        let Layout {
+            unknowns,
+            multipliers,
+            ..
+        } = self.plan.layout;
+        let Workspace {
+            right_hand_side: b,
+            unknowns: u,
+            residual,
+            ..
+        } = workspace;
         if !u.iter().all(|u_i| u_i.all_finite()) {
             return Err(KktError::SolutionNotFinite);
         }
-        self.lu.residual_into(&self.plan.assembly.pattern, (b, u), residual);
+        self.lu
+            .residual_into(&self.plan.assembly.pattern, (b, u), residual);
         let rows = largest(&residual[..unknowns]).max(largest(&residual[multipliers..]));
         let forces = [&u[..unknowns], &u[multipliers..], &b[unknowns..multipliers]].map(largest);
         let gradient_scale = forces.into_iter().fold(scale, f64::max);
@@ -256,7 +291,10 @@ impl<T: Scalar> Factor<T> {
         if relative <= ALLOWED_RESIDUAL {
             Ok(relative)
         } else {
-            Err(KktError::Residual { relative, allowed: ALLOWED_RESIDUAL })
+            Err(KktError::Residual {
+                relative,
+                allowed: ALLOWED_RESIDUAL,
+            })
         }
     }
 
@@ -281,9 +319,15 @@ impl<T: Scalar> Factor<T> {
         let energy = match self.plan.form {
             KktForm::Hachtel => {
                 let squares = workspace.unknowns.iter().zip(&self.soft_scales);
-                0.5 * squares.map(|(s, d)| s.scale(ALPHA * d).modulus_squared()).sum::<f64>()
+                0.5 * squares
+                    .map(|(s, d)| s.scale(ALPHA * d).modulus_squared())
+                    .sum::<f64>()
             }
-            KktForm::NormalEquations => 0.5 * row_residuals(&self.problem.soft, x, m).map(|r| r.modulus_squared()).sum::<f64>(),
+            KktForm::NormalEquations => {
+                0.5 * row_residuals(&self.problem.soft, x, m)
+                    .map(|r| r.modulus_squared())
+                    .sum::<f64>()
+            }
         };
         SolveReport {
             energy,
@@ -309,7 +353,11 @@ impl Layout {
             KktForm::NormalEquations => 0,
         };
         let multipliers = unknowns + stretched.soft.columns();
-        Self { unknowns, multipliers, size: multipliers + stretched.hard.rows() }
+        Self {
+            unknowns,
+            multipliers,
+            size: multipliers + stretched.hard.rows(),
+        }
     }
 }
 
@@ -326,7 +374,11 @@ impl RowPattern {
 /// Calls `visit` with place and value of every entry of the scaled system, always in the same order.
 fn visit_entries<T: Scalar>(
     form: KktForm,
-    Layout { unknowns, multipliers, .. }: Layout,
+    Layout {
+        unknowns,
+        multipliers,
+        ..
+    }: Layout,
     (soft, soft_scales): (&CsMat<T>, &[f64]),
     (hard, hard_scales): (&CsMat<T>, &[f64]),
     mut visit: impl FnMut((usize, usize), T),
@@ -358,12 +410,17 @@ fn visit_entries<T: Scalar>(
 /// Powers of two that bring the rows to norms between 1 and 2.
 fn row_scales<T: Scalar>(matrix: &CsMat<T>) -> Vec<f64> {
     let norm = |row: sprs::CsVecView<'_, T>| row.iter().map(|(_, a)| a.modulus_squared()).sum::<f64>().sqrt();
-    matrix.outer_iterator().map(|row| 1.0 / power_of_two_below(norm(row))).collect()
+    matrix
+        .outer_iterator()
+        .map(|row| 1.0 / power_of_two_below(norm(row)))
+        .collect()
 }
 
 /// `b − A x`, row by row.
 fn row_residuals<T: Scalar>(a: &CsMat<T>, x: &[T], b: &[T]) -> impl Iterator<Item = T> {
-    a.outer_iterator().zip(b).map(|(row, &b_i)| row.iter().fold(b_i, |rest, (j, &a_ij)| rest - a_ij * x[j]))
+    a.outer_iterator()
+        .zip(b)
+        .map(|(row, &b_i)| row.iter().fold(b_i, |rest, (j, &a_ij)| rest - a_ij * x[j]))
 }
 
 fn check_shape<T: Scalar>(problem: &LeastSquares<T>) -> Result<(), KktError> {
@@ -373,18 +430,30 @@ fn check_shape<T: Scalar>(problem: &LeastSquares<T>) -> Result<(), KktError> {
         }
         let (expected, actual) = (problem.columns, matrix.cols());
         if actual != expected {
-            return Err(KktError::ShapeMismatch { block, side: "columns", expected, actual });
+            return Err(KktError::ShapeMismatch {
+                block,
+                side: "columns",
+                expected,
+                actual,
+            });
         }
     }
     Ok(())
 }
 
 fn check_pattern<T>(block: &'static str, pattern: &RowPattern, matrix: &CsMat<T>) -> Result<(), KktError> {
-    if pattern.fits(matrix) { Ok(()) } else { Err(KktError::PatternChanged { block }) }
+    if pattern.fits(matrix) {
+        Ok(())
+    } else {
+        Err(KktError::PatternChanged { block })
+    }
 }
 
 fn check_values<T: Scalar>(block: &'static str, matrix: &CsMat<T>) -> Result<(), KktError> {
-    match matrix.outer_iterator().position(|row| row.iter().any(|(_, a)| !a.all_finite())) {
+    match matrix
+        .outer_iterator()
+        .position(|row| row.iter().any(|(_, a)| !a.all_finite()))
+    {
         Some(row) => Err(KktError::NotFinite { block, row }),
         None => Ok(()),
     }
@@ -400,5 +469,14 @@ fn check_target<T: Scalar>(block: &'static str, expected: usize, target: &[T]) -
 
 fn check_length(block: &'static str, expected: usize, actual: usize) -> Result<(), KktError> {
     let side = "rows";
-    if actual == expected { Ok(()) } else { Err(KktError::ShapeMismatch { block, side, expected, actual }) }
+    if actual == expected {
+        Ok(())
+    } else {
+        Err(KktError::ShapeMismatch {
+            block,
+            side,
+            expected,
+            actual,
+        })
+    }
 }

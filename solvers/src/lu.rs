@@ -14,7 +14,8 @@ use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::perm::Perm;
 use faer::sparse::linalg::colamd;
 use faer::sparse::linalg::lu::simplicial::{
-    SimplicialLu, factorize_simplicial_numeric_lu, factorize_simplicial_numeric_lu_scratch, solve_in_place_scratch,
+    SimplicialLu, factorize_simplicial_numeric_lu, factorize_simplicial_numeric_lu_scratch,
+    solve_in_place_scratch,
 };
 use faer::sparse::{SparseColMatRef, SymbolicSparseColMatRef};
 use faer::{Conj, MatMut, Par};
@@ -65,13 +66,25 @@ impl LuOrder {
         let scratch = colamd::order_scratch::<usize>(size, size, pattern.row_indices.len());
         let mut memory = MemBuffer::try_new(scratch).map_err(|_| NoFactor)?;
         let stack = MemStack::new(&mut memory);
-        colamd::order(&mut forward, &mut inverse, matrix, colamd::Control::default(), stack)
-            .map_err(|_| NoFactor)?;
-        Ok(Self { columns: Perm::new_checked(forward.into(), inverse.into(), size) })
+        colamd::order(
+            &mut forward,
+            &mut inverse,
+            matrix,
+            colamd::Control::default(),
+            stack,
+        )
+        .map_err(|_| NoFactor)?;
+        Ok(Self {
+            columns: Perm::new_checked(forward.into(), inverse.into(), size),
+        })
     }
 
     /// Factors the matrix with these entries, in the order of the pattern this was made for.
-    pub(crate) fn factor<T: Element>(&self, pattern: &ColumnPattern, values: &[T]) -> Result<Lu<T>, NoFactor> {
+    pub(crate) fn factor<T: Element>(
+        &self,
+        pattern: &ColumnPattern,
+        values: &[T],
+    ) -> Result<Lu<T>, NoFactor> {
         let size = pattern.size;
         let (mut forward, mut inverse) = (vec![0; size], vec![0; size]);
         let mut factors = SimplicialLu::new();
@@ -87,14 +100,22 @@ impl LuOrder {
         )
         .map_err(|_| NoFactor)?;
         let rows = Perm::new_checked(forward.into(), inverse.into(), size);
-        Ok(Lu { columns: self.columns.clone(), rows, factors })
+        Ok(Lu {
+            columns: self.columns.clone(),
+            rows,
+            factors,
+        })
     }
 }
 
 impl<T: Element> Lu<T> {
     /// Memory for [`Lu::solve_in_place`].
     pub(crate) fn scratch(&self) -> LuScratch {
-        LuScratch(MemBuffer::new(solve_in_place_scratch::<usize, T>(self.rows.len(), 1, Par::Seq)))
+        LuScratch(MemBuffer::new(solve_in_place_scratch::<usize, T>(
+            self.rows.len(),
+            1,
+            Par::Seq,
+        )))
     }
 
     /// Replaces `b` by the solution of `K x = b`. Garbage if `K` is singular.
@@ -112,6 +133,10 @@ impl<T: Element> Lu<T> {
 }
 
 fn symbolic(pattern: &ColumnPattern) -> SymbolicSparseColMatRef<'_, usize> {
-    let ColumnPattern { size, column_starts, row_indices } = pattern;
+    let ColumnPattern {
+        size,
+        column_starts,
+        row_indices,
+    } = pattern;
     SymbolicSparseColMatRef::new_checked(*size, *size, column_starts, None, row_indices)
 }

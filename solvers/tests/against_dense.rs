@@ -1,6 +1,6 @@
-//! Sparse solutions match a dense route that eliminates the hard rows by singular value decomposition.
+//! Sparse solutions match dense ones by complete pivoting, and meet the conditions of a minimum.
 
-use cotillion_solvers::{DMatrix, DVector, KktForm, LeastSquares, RowMatrix, analyse, null_space};
+use cotillion_solvers::{DMatrix, DVector, KktForm, LeastSquares, RowMatrix, analyse};
 use proptest::prelude::*;
 
 const COLUMNS: usize = 8;
@@ -23,16 +23,23 @@ fn assemble(rows: &[Row]) -> (RowMatrix<f64>, DMatrix<f64>) {
     (sparse, dense)
 }
 
-/// Particular solution of the hard rows plus the best of their null space.
+/// Minimiser by complete pivoting on the dense system of normal equations and hard rows.
 fn dense_minimiser(m: (&DMatrix<f64>, &DVector<f64>), h: (&DMatrix<f64>, &DVector<f64>)) -> DVector<f64> {
-    let particular = h.0.clone().svd(true, true).solve(h.1, 1e-12).expect("both sides were computed");
-    let free = null_space(h.0, 1e-12);
-    if free.ncols() == 0 {
-        return particular;
-    }
-    let rest = m.1 - m.0 * &particular;
-    let along = (m.0 * &free).svd(true, true).solve(&rest, 1e-12).expect("both sides were computed");
-    particular + free * along
+    let size = COLUMNS + h.0.nrows();
+    let mut kkt = DMatrix::zeros(size, size);
+    kkt.view_mut((0, 0), (COLUMNS, COLUMNS))
+        .copy_from(&(m.0.transpose() * m.0));
+    kkt.view_mut((COLUMNS, 0), h.0.shape()).copy_from(h.0);
+    kkt.view_mut((0, COLUMNS), (COLUMNS, h.0.nrows()))
+        .copy_from(&h.0.transpose());
+    let mut b = DVector::zeros(size);
+    b.rows_mut(0, COLUMNS).copy_from(&(m.0.transpose() * m.1));
+    b.rows_mut(COLUMNS, h.0.nrows()).copy_from(h.1);
+    kkt.full_piv_lu()
+        .solve(&b)
+        .expect("hard rows are independent")
+        .rows(0, COLUMNS)
+        .into_owned()
 }
 
 proptest! {
