@@ -40,6 +40,11 @@ impl FootContacts {
         }
     }
 
+    /// Whether any point of any foot bears.
+    pub const fn any(self) -> bool {
+        self.left_heel || self.left_toe || self.right_heel || self.right_toe
+    }
+
     /// Whether any point of each foot bears.
     pub const fn both_feet(self) -> bool {
         (self.left_heel || self.left_toe) && (self.right_heel || self.right_toe)
@@ -181,7 +186,11 @@ pub fn foot_contacts(
 
 /// When one point bears: hysteresis, then gaps filled, then short contacts dropped.
 fn bearing(places: &[DVec3], floor: f64, point: FootPoint, settings: &ContactSettings) -> Vec<bool> {
-    let height = if point.is_toe() { settings.toe_height } else { settings.heel_height };
+    let height = if point.is_toe() {
+        settings.toe_height
+    } else {
+        settings.heel_height
+    };
     let speeds = speeds(places, WORKING_STEP);
     let mut bears = false;
     let mut labels: Vec<bool> = places
@@ -194,7 +203,8 @@ fn bearing(places: &[DVec3], floor: f64, point: FootPoint, settings: &ContactSet
         })
         .collect();
     fill_gaps(&mut labels, settings.longest_gap);
-    drop_short(&mut labels, settings.shortest_contact);
+    // A range shorter than the shortest contact may be all contact.
+    drop_short(&mut labels, settings.shortest_contact.min(places.len()));
     labels
 }
 

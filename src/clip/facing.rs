@@ -130,7 +130,8 @@ mod tests {
     fn lying_on_a_side_keeps_the_turn_of_the_root() {
         let skeleton = body(true);
         let on_side = DQuat::from_rotation_z(PI / 2.0);
-        let poses = [yaw(0.4), yaw(0.4) * on_side, yaw(0.7) * on_side, yaw(0.9)].map(|turn| turned(&skeleton, turn));
+        let poses =
+            [yaw(0.4), yaw(0.4) * on_side, yaw(0.7) * on_side, yaw(0.9)].map(|turn| turned(&skeleton, turn));
         assert_eq!(facing(&skeleton, &poses[1]), None);
         let found = headings(&skeleton, &poses);
         assert!((found[1] - (REST_HEADING + 0.4)).abs() < 1e-9);
@@ -140,7 +141,9 @@ mod tests {
     #[test]
     fn headings_go_on_past_half_a_turn() {
         let skeleton = body(true);
-        let poses: Vec<_> = (0..20).map(|k| turned(&skeleton, yaw(0.5 * f64::from(k)))).collect();
+        let poses: Vec<_> = (0..20)
+            .map(|k| turned(&skeleton, yaw(0.5 * f64::from(k))))
+            .collect();
         let found = headings(&skeleton, &poses);
         assert!((found[19] - found[0] - 9.5).abs() < 1e-9);
     }

@@ -1,12 +1,14 @@
 //! Frames in which nothing touches the ground.
 //!
-//! Source: `spec/physics-touch-up.md` §11.2 (labels) and §6 (repair). Beyond it: other joints than the feet count as touching when
+//! Source: `spec/physics-touch-up.md` §11.2 (labels) and §6 (a contact label makes ground; repair). Beyond it: other joints than the feet count as touching when
 //! they are near the floor (hands of a cartwheel, a rolling back), and a run whose body does not fall is no flight but
 //! support on something higher (a slope, a step, a seat).
 
 use glam::DVec3;
 
-use crate::clip::contacts::{BodyPoint, FootPoint, drop_short, end_of, foot_point, percentile, runs, speeds};
+use crate::clip::contacts::{
+    BodyPoint, FootContacts, FootPoint, drop_short, end_of, foot_point, percentile, runs, speeds,
+};
 use crate::clip::roles::is_helper;
 use crate::clip::working::WORKING_STEP;
 use crate::index::JointId;
@@ -47,26 +49,42 @@ const FLOOR_PERCENTILE: f64 = 0.05;
 
 /// Frames in flight among successive poses, [`WORKING_STEP`] apart. A body without feet never flies.
 ///
-/// `poses`, `floor_poses`: as in [`crate::clip::contacts::foot_contacts`].
+/// `poses`, `floor_poses`: as in [`crate::clip::contacts::foot_contacts`]; `contacts`: what that found.
 pub fn flight(
     skeleton: &Skeleton,
     poses: &[Vec<JointFrame>],
     floor_poses: &[Vec<JointFrame>],
+    contacts: &[FootContacts],
     settings: &FlightSettings,
 ) -> Vec<bool> {
     let feet = bearing_points(skeleton);
     if feet.is_empty() {
         return vec![false; poses.len()];
     }
-    let mut airborne = vec![true; poses.len()];
+    let mut airborne: Vec<bool> = contacts.iter().map(|contact| !contact.any()).collect();
     let mut lowest_floor = f64::INFINITY;
     for point in &feet {
-        let floor = percentile(floor_poses.iter().map(|frames| point.place(frames).y).collect(), FLOOR_PERCENTILE);
+        let floor = percentile(
+            floor_poses.iter().map(|frames| point.place(frames).y).collect(),
+            FLOOR_PERCENTILE,
+        );
         lowest_floor = lowest_floor.min(floor);
-        clear_touching(&mut airborne, point, poses, floor + settings.foot_height, settings.speed);
+        clear_touching(
+            &mut airborne,
+            point,
+            poses,
+            floor + settings.foot_height,
+            settings.speed,
+        );
     }
     for joint in other_joints(skeleton) {
-        clear_touching(&mut airborne, &joint, poses, lowest_floor + settings.joint_height, settings.speed);
+        clear_touching(
+            &mut airborne,
+            &joint,
+            poses,
+            lowest_floor + settings.joint_height,
+            settings.speed,
+        );
     }
     drop_short(&mut airborne, settings.shortest);
     let heights = mean_heights(skeleton, poses);
@@ -81,7 +99,8 @@ pub fn flight(
 
 /// Heels, toes and tips of both feet.
 fn bearing_points(skeleton: &Skeleton) -> Vec<BodyPoint> {
-    let tips = [JointRole::LeftToe, JointRole::RightToe].map(|role| end_of(skeleton, skeleton.joint_of(role)?));
+    let tips =
+        [JointRole::LeftToe, JointRole::RightToe].map(|role| end_of(skeleton, skeleton.joint_of(role)?));
     FootPoint::ALL
         .iter()
         .map(|&point| foot_point(skeleton, point))
@@ -107,7 +126,13 @@ fn other_joints(skeleton: &Skeleton) -> Vec<BodyPoint> {
 }
 
 /// Clears the frames in which `point` is below `height` and slower than `speed`.
-fn clear_touching(airborne: &mut [bool], point: &BodyPoint, poses: &[Vec<JointFrame>], height: f64, speed: f64) {
+fn clear_touching(
+    airborne: &mut [bool],
+    point: &BodyPoint,
+    poses: &[Vec<JointFrame>],
+    height: f64,
+    speed: f64,
+) {
     let places: Vec<DVec3> = poses.iter().map(|frames| point.place(frames)).collect();
     for (index, at) in speeds(&places, WORKING_STEP).into_iter().enumerate() {
         if places[index].y < height && at < speed {
@@ -123,7 +148,9 @@ fn mean_heights(skeleton: &Skeleton, poses: &[Vec<JointFrame>]) -> Vec<f64> {
         .collect();
     poses
         .iter()
-        .map(|frames| counted.iter().map(|&index| frames[index].position.y).sum::<f64>() / counted.len().max(1) as f64)
+        .map(|frames| {
+            counted.iter().map(|&index| frames[index].position.y).sum::<f64>() / counted.len().max(1) as f64
+        })
         .collect()
 }
 
@@ -138,7 +165,11 @@ pub fn fitted_gravity(heights: &[f64], step: f64) -> f64 {
     if heights.len() < 3 {
         return 0.0;
     }
-    let product: f64 = heights.iter().enumerate().map(|(index, height)| quadratic(index) * height).sum();
+    let product: f64 = heights
+        .iter()
+        .enumerate()
+        .map(|(index, height)| quadratic(index) * height)
+        .sum();
     -2.0 * product / norm_sq
 }
 

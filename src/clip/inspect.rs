@@ -100,7 +100,11 @@ pub fn inspect(file: &str, read: &ReadClip) -> ClipFacts {
         flights: runs(&working.flight)
             .into_iter()
             .map(range)
-            .map(|FrameRange { from, to }| JointRange { joint: None, from, to })
+            .map(|FrameRange { from, to }| JointRange {
+                joint: None,
+                from,
+                to,
+            })
             .collect(),
         stationary: runs(&working.stationary).into_iter().map(range).collect(),
         foot_slide: foot_slide_working(&working),
@@ -130,7 +134,11 @@ fn contact_ranges(working: &WorkingClip) -> Vec<JointRange> {
         };
         let name = &skeleton.joints[at.joint.as_usize()].name;
         let is_end = at.local.length_squared() > 0.0;
-        let joint = if is_end { format!("{name} end") } else { name.clone() };
+        let joint = if is_end {
+            format!("{name} end")
+        } else {
+            name.clone()
+        };
         let labels: Vec<bool> = working.contacts.iter().map(|contact| contact.at(point)).collect();
         ranges.extend(runs(&labels).into_iter().map(|run| {
             let FrameRange { from, to } = file_range(working, run);
@@ -171,9 +179,12 @@ fn warnings(read: &ReadClip, working: &WorkingClip) -> Vec<String> {
         .contacts
         .iter()
         .zip(&working.flight)
-        .filter(|(contact, flies)| !**flies && FootPoint::ALL.iter().all(|&point| !contact.at(point)))
+        .filter(|(contact, flies)| !**flies && !contact.any())
         .count();
-    if unsupported as f64 > DOUBTFUL_SHARE * working.frame_count() as f64 {
+    let has_feet = FootPoint::ALL
+        .iter()
+        .any(|&point| foot_point(&read.clip.skeleton, point).is_some());
+    if has_feet && unsupported as f64 > DOUBTFUL_SHARE * working.frame_count() as f64 {
         warnings.push(format!(
             "no foot bears on the floor in {unsupported} of {} working frames, and the body does not fly: a slope, steps, a seat, \
              or sliding feet; contacts there are wrong",
@@ -192,7 +203,13 @@ pub fn facts_text(facts: &ClipFacts) -> String {
     let mut put = |key: &str, value: String| {
         writeln!(text, "  {key:<12}{value}").expect("writing to a string does not fail");
     };
-    put("skeleton", format!("{} joints, {:.2} m to the highest joint", facts.joints, facts.height));
+    put(
+        "skeleton",
+        format!(
+            "{} joints, {:.2} m to the highest joint",
+            facts.joints, facts.height
+        ),
+    );
     put(
         "frames",
         format!(
@@ -200,7 +217,10 @@ pub fn facts_text(facts: &ClipFacts) -> String {
             facts.frames, facts.fps, facts.usable.from, facts.usable.to, facts.seconds
         ),
     );
-    put("units", format!("{} m a file unit, {} up", facts.unit_to_m, facts.up));
+    put(
+        "units",
+        format!("{:.6} m a file unit, {} up", facts.unit_to_m, facts.up),
+    );
     put("root path", format!("{:.2} m on the ground", facts.root_path));
     if let Some(slide) = facts.foot_slide {
         put("foot slide", format!("{slide:.3} m/s in contact"));
@@ -208,11 +228,19 @@ pub fn facts_text(facts: &ClipFacts) -> String {
     for (joint, ranges) in contacts_by_joint(facts) {
         put("contact", format!("{joint}: {}", range_list(&ranges)));
     }
-    let flights: Vec<_> = facts.flights.iter().map(|flight| (flight.from, flight.to)).collect();
+    let flights: Vec<_> = facts
+        .flights
+        .iter()
+        .map(|flight| (flight.from, flight.to))
+        .collect();
     put("flights", range_list(&flights));
     let stays: Vec<_> = facts.stationary.iter().map(|stay| (stay.from, stay.to)).collect();
     put("stationary", range_list(&stays));
-    let roles: Vec<String> = facts.roles.iter().map(|fact| format!("{} {}", fact.role, fact.joint)).collect();
+    let roles: Vec<String> = facts
+        .roles
+        .iter()
+        .map(|fact| format!("{} {}", fact.role, fact.joint))
+        .collect();
     put("roles", roles.join(", "));
     for warning in &facts.warnings {
         put("warning", warning.clone());
@@ -244,6 +272,10 @@ fn range_list(ranges: &[(u32, u32)]) -> String {
         .map(|(from, to)| format!("{from}–{to}"))
         .collect();
     let more = ranges.len().saturating_sub(RANGES_SHOWN);
-    let tail = if more > 0 { format!(" and {more} more") } else { String::new() };
+    let tail = if more > 0 {
+        format!(" and {more} more")
+    } else {
+        String::new()
+    };
     shown.join(", ") + &tail
 }

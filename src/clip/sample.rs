@@ -82,7 +82,9 @@ mod tests {
             .map(|k| Pose {
                 root: DVec3::X * f64::from(k),
                 // Alternating signs: the same rotations, the long way round for a naive blend.
-                rotations: vec![DQuat::from_rotation_y(0.5 * f64::from(k)) * if k % 2 == 0 { 1.0 } else { -1.0 }],
+                rotations: vec![
+                    DQuat::from_rotation_y(0.5 * f64::from(k)) * if k % 2 == 0 { 1.0 } else { -1.0 },
+                ],
                 offsets: Vec::new(),
             })
             .collect();

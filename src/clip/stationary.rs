@@ -98,7 +98,11 @@ mod tests {
         for (frames, speed, expected) in [(30, 0.2, true), (30, 0.3, false), (20, 0.2, false)] {
             let positions = stop_then_walk(0, frames, speed);
             let stays = stationary(&positions, &vec![planted; frames], &StationarySettings::default());
-            assert_eq!(stays.iter().all(|stay| *stay), expected, "{frames} frames at {speed} m/s");
+            assert_eq!(
+                stays.iter().all(|stay| *stay),
+                expected,
+                "{frames} frames at {speed} m/s"
+            );
         }
     }
 }

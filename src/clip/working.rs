@@ -70,7 +70,13 @@ impl WorkingClip {
             last,
             overhang: overhang.max(0.0),
             headings: headings(skeleton, &poses),
-            flight: flight(skeleton, &poses, floor_poses, &FlightSettings::default()),
+            flight: flight(
+                skeleton,
+                &poses,
+                floor_poses,
+                &contacts,
+                &FlightSettings::default(),
+            ),
             stationary: stationary(&positions, &contacts, &StationarySettings::default()),
             positions,
             contacts,
@@ -119,5 +125,69 @@ impl WorkingClip {
         }
         let at_nearest = self.pose(nearest as f64).rotations[0];
         self.headings[nearest] + turn_about_up(frames[0].rotation * at_nearest.inverse())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::{DQuat, DVec3};
+
+    use super::*;
+    use crate::clip::facing::REST_HEADING;
+    use crate::geometry::yaw;
+    use crate::skeleton::{Axis, Joint, Skeleton};
+
+    /// A root that goes along +z at 1 m/s and turns left at 2 rad/s.
+    fn turning(fps: f64, frames: u32) -> Arc<Clip> {
+        let root = Joint {
+            name: "Hips".to_owned(),
+            parent: None,
+            offset: DVec3::ZERO,
+            end_site: None,
+            rotation_order: [Axis::Z, Axis::X, Axis::Y],
+            role: None,
+        };
+        let skeleton = Arc::new(Skeleton { joints: vec![root] });
+        let poses: Vec<Pose> = (0..frames)
+            .map(|frame| Pose {
+                root: DVec3::Z * (f64::from(frame) / fps),
+                rotations: vec![yaw(2.0 * f64::from(frame) / fps) * DQuat::IDENTITY],
+                offsets: Vec::new(),
+            })
+            .collect();
+        Arc::new(Clip::from_poses("turning", skeleton, fps, &poses))
+    }
+
+    #[test]
+    fn working_frames_divide_the_range_and_the_rest_hangs_over() {
+        // (fps, first, last) and the working frames and overhang they make
+        let cases = [
+            (120.0, 0, 8, 3, 0.0),
+            (120.0, 1, 7, 2, 0.5),
+            (24.0, 0, 4, 6, 0.0),
+            (24.0, 0, 3, 4, 0.75),
+            (30.0, 5, 5, 1, 0.0),
+        ];
+        for (fps, first, last, count, overhang) in cases {
+            let working = WorkingClip::new("w", turning(fps, 12), SourceFrame(first), SourceFrame(last));
+            assert_eq!(working.frame_count(), count, "{fps} {first} {last}");
+            assert!((working.overhang - overhang).abs() < 1e-12);
+            let end = (count - 1) as f64 + working.overhang;
+            assert!((working.source_frame(end) - f64::from(last)).abs() < 1e-9);
+            assert!((working.working_frame(f64::from(last)) - end).abs() < 1e-9);
+        }
+    }
+
+    #[test]
+    fn facing_follows_the_turn_between_frames_and_past_half_a_turn() {
+        let working = WorkingClip::new("w", turning(24.0, 100), SourceFrame(0), SourceFrame(99));
+        let end = (working.frame_count() - 1) as f64 + working.overhang;
+        for step in 0..200 {
+            let at = end * f64::from(step) / 199.0;
+            let expected = REST_HEADING + 2.0 * at * WORKING_STEP;
+            assert!((working.facing(at) - expected).abs() < 1e-9, "{at}");
+        }
+        assert_eq!(working.facing(7.0), working.headings[7]);
+        assert!((working.positions[30] - c64::new(0.0, -1.0)).norm() < 1e-9);
     }
 }

@@ -10,7 +10,6 @@ use glam::{DMat3, DQuat, DVec3};
 
 use crate::clip::Clip;
 use crate::geometry::wrap;
-use crate::index::JointId;
 use crate::skeleton::{Axis, Joint};
 
 /// Joints nested deeper are not indented further.
@@ -26,8 +25,8 @@ pub fn to_bvh(clip: &Clip) -> String {
     write_hierarchy(&mut text, clip, &layout);
     text.push_str("MOTION\n");
     line(&mut text, 0, format_args!("Frames: {}", clip.frame_count()));
-    // The shortest decimal that reads back as the same f64.
-    line(&mut text, 0, format_args!("Frame Time: {}", 1.0 / clip.fps));
+    // So many digits that readers who take a short number for a rounded one do not.
+    line(&mut text, 0, format_args!("Frame Time: {:.20}", 1.0 / clip.fps));
     write_rows(&mut text, clip, &layout);
     text
 }
@@ -187,7 +186,11 @@ fn letter(axis: Axis) -> char {
 fn triple(vector: DVec3) -> String {
     let digits = |value: f64| {
         let text = format!("{value:.10}");
-        if text == "-0.0000000000" { text[1..].to_owned() } else { text }
+        if text == "-0.0000000000" {
+            text[1..].to_owned()
+        } else {
+            text
+        }
     };
     format!("{} {} {}", digits(vector.x), digits(vector.y), digits(vector.z))
 }
@@ -199,7 +202,8 @@ fn line(text: &mut String, depth: usize, content: std::fmt::Arguments<'_>) {
 }
 
 fn append(text: &mut String, content: std::fmt::Arguments<'_>) {
-    text.write_fmt(content).expect("writing to a string does not fail");
+    text.write_fmt(content)
+        .expect("writing to a string does not fail");
 }
 
 /// Rotation of Euler angles, radians: the product of the turns about the axes `order`.
@@ -212,23 +216,18 @@ pub fn rotation_of(angles: [f64; 3], order: [Axis; 3]) -> DQuat {
     turn(0) * turn(1) * turn(2)
 }
 
-/// Joint of the file's column order, for readers of the text: depth first, children in skeleton order.
-pub fn joint_order(clip: &Clip) -> Vec<JointId> {
-    Layout::of(clip)
-        .order
-        .into_iter()
-        .map(|(joint, _)| JointId::from_usize(joint))
-        .collect()
-}
-
 #[cfg(test)]
 mod tests {
     use std::f64::consts::FRAC_PI_2;
+    use std::sync::Arc;
 
     use proptest::prelude::*;
 
     use super::*;
+    use crate::clip::bvh::{ReadOptions, Up, read};
     use crate::geometry::log;
+    use crate::index::{JointId, SourceFrame};
+    use crate::skeleton::{Pose, Skeleton};
 
     /// Rounding of a decomposition; between locked and free the first angle loses digits that the last makes up for.
     const ROUNDING: f64 = 2e-9;
@@ -277,6 +276,58 @@ mod tests {
             prop_assert!(angle_between(rotation_of(found, ORDERS[order]), rotation) < ROUNDING);
             if shift < 1e-10 {
                 prop_assert_eq!(found[0], before[0]);
+            }
+        }
+    }
+
+    /// Joints out of depth-first order, a moving one, a name with spaces, angles in gimbal lock.
+    #[test]
+    fn what_is_written_is_read_back() {
+        let joint = |name: &str, parent: Option<u32>, order| Joint {
+            name: name.to_owned(),
+            parent: parent.map(JointId),
+            offset: DVec3::new(0.1, 0.9, -0.2),
+            end_site: parent.map(|_| DVec3::new(0.0, 0.3, 1e-7)),
+            rotation_order: order,
+            role: None,
+        };
+        let skeleton = Skeleton {
+            joints: vec![
+                joint("the root", None, ORDERS[0]),
+                joint("left", Some(0), ORDERS[1]),
+                joint("right", Some(0), ORDERS[5]),
+                joint("left end", Some(1), ORDERS[3]),
+            ],
+        };
+        let poses: Vec<Pose> = (0..40)
+            .map(|frame| Pose {
+                root: DVec3::new(1.0, 2.0, 0.01 * f64::from(frame)),
+                rotations: (0..4)
+                    .map(|index| {
+                        rotation_of([0.3 * f64::from(frame), FRAC_PI_2, f64::from(index)], ORDERS[1])
+                    })
+                    .collect(),
+                offsets: vec![(JointId(2), DVec3::new(0.0, 1.0, 0.02 * f64::from(frame)))],
+            })
+            .collect();
+        let clip = Clip::from_poses("four joints", Arc::new(skeleton), 1.0 / 0.0417, &poses);
+        let options = ReadOptions {
+            fps: None,
+            unit_to_m: Some(1.0),
+            up: Some(Up::Y),
+        };
+        let back = read(to_bvh(&clip).as_bytes(), "four joints", &options)
+            .expect("a valid file")
+            .clip;
+        assert!((back.fps - clip.fps).abs() < 1e-12);
+        // Depth first: the root, left, left end, right.
+        for (here, there) in [(0, 0), (1, 1), (2, 3), (3, 2)] {
+            assert_eq!(clip.skeleton.joints[here].name, back.skeleton.joints[there].name);
+            for frame in (0..40).map(SourceFrame) {
+                let before = clip.skeleton.forward_kinematics(&clip.pose(frame))[here];
+                let after = back.skeleton.forward_kinematics(&back.pose(frame))[there];
+                assert!(before.position.distance(after.position) < 1e-8);
+                assert!(angle_between(before.rotation, after.rotation) < 1e-8);
             }
         }
     }

@@ -62,7 +62,11 @@ pub(super) fn to_world(clip: &mut Clip, unit_to_m: f64, up: Up) {
     for root in &mut clip.root_positions {
         *root = place(*root);
     }
-    for offset in clip.moving_offsets.iter_mut().flat_map(|moving| &mut moving.offsets) {
+    for offset in clip
+        .moving_offsets
+        .iter_mut()
+        .flat_map(|moving| &mut moving.offsets)
+    {
         *offset = place(*offset);
     }
     if up == Up::Z {
@@ -167,13 +171,22 @@ fn position(joint: &RawJoint, otherwise: DVec3, values: &[f64]) -> DVec3 {
 
 /// Joints below the root whose position channels say anything, with their offsets.
 fn moving_offsets(raw: &RawBvh, starts: &[usize], notes: &mut Vec<ReadNote>) -> Vec<MovingOffset> {
-    let has_position = |joint: &RawJoint| joint.channels.iter().any(|channel| matches!(channel, Channel::Position(_)));
-    let movers: Vec<usize> = (1..raw.joints.len()).filter(|&index| has_position(&raw.joints[index])).collect();
+    let has_position = |joint: &RawJoint| {
+        joint
+            .channels
+            .iter()
+            .any(|channel| matches!(channel, Channel::Position(_)))
+    };
+    let movers: Vec<usize> = (1..raw.joints.len())
+        .filter(|&index| has_position(&raw.joints[index]))
+        .collect();
     if movers.is_empty() {
         return Vec::new();
     }
     let width = starts[raw.joints.len()];
-    let values = |index: usize, frame: usize| &raw.values[frame * width + starts[index]..frame * width + starts[index + 1]];
+    let values = |index: usize, frame: usize| {
+        &raw.values[frame * width + starts[index]..frame * width + starts[index + 1]]
+    };
     let place = |index: usize, frame: usize| {
         let joint = &raw.joints[index];
         position(joint, DVec3::from_array(joint.offset), values(index, frame))
@@ -194,7 +207,10 @@ fn moving_offsets(raw: &RawBvh, starts: &[usize], notes: &mut Vec<ReadNote>) -> 
             }
         };
         let offsets: Vec<DVec3> = (0..raw.frame_count).map(offset).collect();
-        if offsets.iter().any(|offset| offset.distance(rest) > OFFSET_ROUNDING) {
+        if offsets
+            .iter()
+            .any(|offset| offset.distance(rest) > OFFSET_ROUNDING)
+        {
             moving.push(MovingOffset {
                 joint: JointId::from_usize(index),
                 offsets,

@@ -100,7 +100,9 @@ impl<'a> Cursor<'a> {
 
     /// The finite number written as `word`.
     pub(super) fn number(&self, word: Word<'a>) -> Result<f64, BvhError> {
-        let parsed = std::str::from_utf8(word.bytes).ok().and_then(|text| text.parse::<f64>().ok());
+        let parsed = std::str::from_utf8(word.bytes)
+            .ok()
+            .and_then(|text| text.parse::<f64>().ok());
         match parsed {
             Some(value) if value.is_finite() => Ok(value),
             Some(_) => Err(BvhError::NotFinite {

@@ -19,7 +19,10 @@ impl fmt::Display for Position {
 /// Why a BVH file could not be read.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
-#[expect(missing_docs, reason = "`at` is the place of the fault, the other fields stand in the message")]
+#[expect(
+    missing_docs,
+    reason = "`at` is the place of the fault, the other fields stand in the message"
+)]
 pub enum BvhError {
     /// The first word is not HIERARCHY.
     #[error("{at}: not a BVH file, which starts with the word HIERARCHY (found {found})")]
@@ -32,7 +35,9 @@ pub enum BvhError {
         found: String,
     },
     /// The file ends too early.
-    #[error("{at}: the file ends where {expected} should follow; it seems cut short, copy or export it again")]
+    #[error(
+        "{at}: the file ends where {expected} should follow; it seems cut short, copy or export it again"
+    )]
     EndOfFile { at: Position, expected: &'static str },
     /// A joint's braces are never closed.
     #[error("{at}: the file ends inside joint `{joint}`; a closing brace is missing")]
@@ -57,10 +62,14 @@ pub enum BvhError {
     #[error("{at}: more than {limit} joints; leave out what is not a body")]
     TooManyJoints { at: Position, limit: usize },
     /// A word that is no channel.
-    #[error("{at}: unknown channel `{found}`; channels are Xposition, Yposition, Zposition, Xrotation, Yrotation, Zrotation")]
+    #[error(
+        "{at}: unknown channel `{found}`; channels are Xposition, Yposition, Zposition, Xrotation, Yrotation, Zrotation"
+    )]
     UnknownChannel { at: Position, found: String },
     /// The number after CHANNELS is not that of the names behind it.
-    #[error("{at}: joint `{joint}` announces {announced} channels, but {found} names follow; make the two agree")]
+    #[error(
+        "{at}: joint `{joint}` announces {announced} channels, but {found} names follow; make the two agree"
+    )]
     ChannelCount {
         at: Position,
         joint: String,
@@ -102,13 +111,17 @@ pub enum BvhError {
         found: usize,
     },
     /// Fewer rows than announced.
-    #[error("{at}: {announced} frames announced, {found} rows found; correct the number after Frames: or restore the rows")]
+    #[error(
+        "{at}: {announced} frames announced, {found} rows found; correct the number after Frames: or restore the rows"
+    )]
     RowsMissing {
         at: Position,
         announced: usize,
         found: usize,
     },
     /// More than the announced rows.
-    #[error("{at}: {announced} frames announced, but more follows the last row; correct the number after Frames:")]
+    #[error(
+        "{at}: {announced} frames announced, but more follows the last row; correct the number after Frames:"
+    )]
     RowsLeft { at: Position, announced: usize },
 }

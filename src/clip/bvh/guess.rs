@@ -5,15 +5,19 @@ use glam::DVec3;
 use super::Up;
 use super::parse::RawBvh;
 use crate::clip::Clip;
+use crate::clip::contacts::percentile;
 use crate::clip::roles::is_helper;
 use crate::geometry::log;
 use crate::index::{JointId, SourceFrame};
 use crate::skeleton::{JointRole, Skeleton};
 
 /// Metres per file unit that files come in: metres, decimetres, CMU's Acclaim unit (an inch of 0.45), inches, centimetres.
-const UNITS: [f64; 5] = [1.0, 0.1, 0.0254 / 0.45, 0.0254, 0.01];
+const UNITS: [f64; 5] = [1.0, 0.1, 0.0254 / 0.45, 0.0254, CENTIMETRE];
 
-/// Metres per unit of the rig with buttock joints that every CMU subject was put on; measured, good to a few per cent.
+/// Metres.
+const CENTIMETRE: f64 = 0.01;
+
+/// Metres per unit of the rig with buttock joints that every CMU subject was put on, about a centimetre; measured.
 const BUTTOCK_RIG_UNIT: f64 = 0.0103;
 
 /// Length of an adult's leg from hip joint to ankle, metres; 0.75 to 0.9 in most captures.
@@ -35,9 +39,6 @@ pub(super) fn is_buttock_rig(skeleton: &Skeleton) -> bool {
 /// Metres per file unit from the size of the body, in file units: the unit in which its legs are nearest to an adult's.
 /// `None` where the skeleton has no size.
 pub(super) fn unit_to_m(skeleton: &Skeleton) -> Option<f64> {
-    if is_buttock_rig(skeleton) {
-        return Some(BUTTOCK_RIG_UNIT);
-    }
     let (size, expected) = match leg_length(skeleton) {
         Some(leg) => (leg, LEG_LENGTH),
         None => (rest_extent(skeleton).max_element(), JOINT_EXTENT),
@@ -46,7 +47,11 @@ pub(super) fn unit_to_m(skeleton: &Skeleton) -> Option<f64> {
         return None;
     }
     let mismatch = |unit: &f64| (unit * size / expected).ln().abs();
-    UNITS.into_iter().min_by(|a, b| mismatch(a).total_cmp(&mismatch(b)))
+    let nearest = UNITS
+        .into_iter()
+        .min_by(|a, b| mismatch(a).total_cmp(&mismatch(b)))?;
+    let is_rig_unit = nearest == CENTIMETRE && is_buttock_rig(skeleton);
+    Some(if is_rig_unit { BUTTOCK_RIG_UNIT } else { nearest })
 }
 
 /// Length of the bones from the hip to the ankle, the longer leg; whatever the rest pose.
@@ -64,7 +69,10 @@ fn leg_length(skeleton: &Skeleton) -> Option<f64> {
     };
     let left = leg(JointRole::LeftHip, JointRole::LeftFoot);
     let right = leg(JointRole::RightHip, JointRole::RightFoot);
-    left.into_iter().chain(right).max_by(f64::total_cmp).filter(|length| *length > 0.0)
+    left.into_iter()
+        .chain(right)
+        .max_by(f64::total_cmp)
+        .filter(|length| *length > 0.0)
 }
 
 /// Size of the box around all joints at rest.
@@ -108,9 +116,14 @@ pub(super) fn up(clip: &Clip) -> Up {
 /// largest extent at rest. `None` where neither y nor z stands out.
 fn upright(skeleton: &Skeleton, poses: &[crate::skeleton::Pose]) -> Option<Up> {
     let feet = [JointRole::LeftFoot, JointRole::RightFoot].map(|role| skeleton.joint_of(role));
-    let top = [JointRole::Head, JointRole::Neck, JointRole::Chest, JointRole::Spine]
-        .into_iter()
-        .find_map(|role| skeleton.joint_of(role));
+    let top = [
+        JointRole::Head,
+        JointRole::Neck,
+        JointRole::Chest,
+        JointRole::Spine,
+    ]
+    .into_iter()
+    .find_map(|role| skeleton.joint_of(role));
     let ([Some(left), Some(right)], Some(top)) = (feet, top) else {
         let extent = rest_extent(skeleton);
         return (extent.z > 2.0 * extent.x.max(extent.y)).then_some(Up::Z);
@@ -162,41 +175,55 @@ pub(super) enum Start {
 }
 
 /// Judges frame 0 by the mean turn of all joints from frame to frame.
+///
+/// A rest pose is one of unturned joints that the body leaves in a jump, perhaps blended over a few frames, or any pose
+/// that it leaves so fast that no body could.
 pub(super) fn start(clip: &Clip) -> Start {
     if clip.frame_count() < 3 {
         return Start::Smooth;
     }
     let jump = turn_between(clip, 0);
-    let usual = (1..clip.frame_count() - 1)
-        .take(20)
+    let later: Vec<f64> = (1..clip.frame_count() - 1)
+        .take(30)
         .map(|frame| turn_between(clip, frame))
-        .fold(0.0, f64::max);
-    if jump < JUMP_LEAST || jump < JUMP_RATIO * usual {
-        return Start::Smooth;
-    }
-    if rest_turn(clip) < REST_TURN {
+        .collect();
+    let usual = percentile(later.clone(), 0.5);
+    let largest = later.iter().copied().fold(0.0, f64::max);
+    let leaves_rest = rest_turn(clip) < REST_TURN && jump > LEAST_JUMP && jump > JUMP_RATIO * usual;
+    if leaves_rest || (jump > IMPOSSIBLE_JUMP && jump > 2.0 * JUMP_RATIO * largest) {
         Start::RestPose
-    } else {
+    } else if jump > LEAST_JUMP && jump > JUMP_RATIO * largest {
         Start::Jump
+    } else {
+        Start::Smooth
     }
 }
 
-/// A mean turn of the joints from frame 0 to 1 below this is motion, radians.
-const JUMP_LEAST: f64 = 0.05;
-/// A jump is this many times the largest step after it.
+/// A smaller mean turn of the joints from frame 0 to 1 is motion, radians.
+const LEAST_JUMP: f64 = 0.05;
+/// A larger one is none, radians.
+const IMPOSSIBLE_JUMP: f64 = 0.2;
+/// A jump is this many times the steps after it.
 const JUMP_RATIO: f64 = 3.0;
-/// Mean turn of the joints in a rest pose, radians.
+/// Mean turn of the joints in a rest pose, radians; captures have 0.2 and more.
 const REST_TURN: f64 = 0.1;
 
 /// Mean angle by which the joints turn from `frame` to the next, radians.
 fn turn_between(clip: &Clip, frame: usize) -> f64 {
     let joints = clip.skeleton.joints.len();
     let turned = |k: usize| clip.rotations[k].inverse() * clip.rotations[k + joints];
-    (0..joints).map(|joint| log(turned(frame * joints + joint)).length()).sum::<f64>() / joints as f64
+    (0..joints)
+        .map(|joint| log(turned(frame * joints + joint)).length())
+        .sum::<f64>()
+        / joints as f64
 }
 
 /// Mean angle between the joints of frame 0 and no rotation, the root left out, radians.
 fn rest_turn(clip: &Clip) -> f64 {
     let joints = clip.skeleton.joints.len();
-    clip.rotations[1..joints].iter().map(|&turn| log(turn).length()).sum::<f64>() / joints as f64
+    clip.rotations[1..joints]
+        .iter()
+        .map(|&turn| log(turn).length())
+        .sum::<f64>()
+        / joints as f64
 }

@@ -115,17 +115,31 @@ impl fmt::Display for ReadNote {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::UnitGuessed { unit_to_m } => {
-                write!(f, "unit guessed from the size of the body: {unit_to_m:.6} m; give `unit` to settle it")
+                write!(
+                    f,
+                    "unit guessed from the size of the body: {unit_to_m:.6} m; give `unit` to settle it"
+                )
             }
-            Self::UnitUnknown => f.write_str("no size to guess the unit from, metres taken; give `unit` to settle it"),
+            Self::UnitUnknown => {
+                f.write_str("no size to guess the unit from, metres taken; give `unit` to settle it")
+            }
             Self::ZUpGuessed => f.write_str("taken to have z up; give `up` to settle it"),
             Self::RestPoseLeftOut { first_usable } => {
                 let first = first_usable.0;
-                write!(f, "frame 0 is a rest pose; the clip is used from frame {first} on")
+                write!(
+                    f,
+                    "frame 0 is a rest pose; the clip is used from frame {first} on"
+                )
             }
-            Self::FirstFrameJumps => f.write_str("the body jumps from frame 0 to frame 1; give `frames` to leave frame 0 out"),
-            Self::DuplicateName { name } => write!(f, "two joints are called `{name}`; the first answers to the name"),
-            Self::EndSitesDropped { joint } => write!(f, "joint `{joint}` has several end sites; the first was kept"),
+            Self::FirstFrameJumps => {
+                f.write_str("the body jumps from frame 0 to frame 1; give `frames` to leave frame 0 out")
+            }
+            Self::DuplicateName { name } => {
+                write!(f, "two joints are called `{name}`; the first answers to the name")
+            }
+            Self::EndSitesDropped { joint } => {
+                write!(f, "joint `{joint}` has several end sites; the first was kept")
+            }
             Self::DisplacementChannels => {
                 f.write_str("position channels below the root are near zero and were added to the offsets")
             }
@@ -150,7 +164,9 @@ pub fn read(bytes: &[u8], name: &str, options: &ReadOptions) -> Result<ReadClip,
     let header_fps = guess::frame_rate(&raw);
     let mut notes = Vec::new();
     let mut clip = convert::clip_in_file_units(&raw, name, options.fps.unwrap_or(header_fps), &mut notes);
-    let unit_to_m = options.unit_to_m.unwrap_or_else(|| guessed_unit(&clip, &mut notes));
+    let unit_to_m = options
+        .unit_to_m
+        .unwrap_or_else(|| guessed_unit(&clip, &mut notes));
     let up = options.up.unwrap_or_else(|| guess::up(&clip));
     if options.up.is_none() && up == Up::Z {
         notes.push(ReadNote::ZUpGuessed);

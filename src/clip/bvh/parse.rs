@@ -58,7 +58,12 @@ pub(super) fn parse(bytes: &[u8]) -> Result<RawBvh, BvhError> {
             at: cursor.position(frames_word.start),
         });
     }
-    let time_word = keyed_word(&mut cursor, &["Frame", "Time:"], "`Frame Time:`", "the frame time")?;
+    let time_word = keyed_word(
+        &mut cursor,
+        &["Frame", "Time:"],
+        "`Frame Time:`",
+        "the frame time",
+    )?;
     let frame_time = cursor.number(time_word)?;
     if frame_time <= 0.0 || !(1.0 / frame_time).is_finite() {
         return Err(BvhError::FrameTime {
@@ -104,7 +109,11 @@ fn hierarchy(cursor: &mut Cursor<'_>) -> Result<Vec<RawJoint>, BvhError> {
 }
 
 /// Name and opening brace of a joint, behind ROOT or JOINT.
-fn open_joint(cursor: &mut Cursor<'_>, joints: &mut Vec<RawJoint>, parent: Option<usize>) -> Result<OpenJoint, BvhError> {
+fn open_joint(
+    cursor: &mut Cursor<'_>,
+    joints: &mut Vec<RawJoint>,
+    parent: Option<usize>,
+) -> Result<OpenJoint, BvhError> {
     let name = cursor.rest_of_line();
     let at = || cursor.position(name.start);
     if name.bytes.is_empty() {
@@ -165,7 +174,11 @@ fn joint_line(
             joint: joint.name.clone(),
         });
     } else {
-        return Err(unexpected(cursor, word, "OFFSET, CHANNELS, JOINT, End Site or a closing brace"));
+        return Err(unexpected(
+            cursor,
+            word,
+            "OFFSET, CHANNELS, JOINT, End Site or a closing brace",
+        ));
     }
     Ok(())
 }

@@ -4,36 +4,13 @@
 //! is, else the collar before it; a *hip* of one side is the thigh where no other joint is, else a helper; a *leg* is the
 //! shank below a thigh, else the thigh. The tree decides, and a knee counts only below its own hip.
 
+mod names;
+
+pub use names::is_helper;
+use names::{Part, Side, read_name};
+
 use crate::index::JointId;
 use crate::skeleton::{Joint, JointRole, Skeleton};
-
-/// Side of the body a name tells.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Side {
-    Left,
-    Right,
-}
-
-/// What a name can mean, side aside.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Part {
-    Hip,
-    Thigh,
-    Leg,
-    Shank,
-    Foot,
-    Toe,
-    Collar,
-    Shoulder,
-    UpperArm,
-    Forearm,
-    Hand,
-    Neck,
-    Head,
-    Chest,
-    Trunk,
-    Pelvis,
-}
 
 /// Roles every whole body has, whatever the flavour of its file.
 pub const EXPECTED_ROLES: [JointRole; 11] = [
@@ -52,12 +29,16 @@ pub const EXPECTED_ROLES: [JointRole; 11] = [
 
 /// Sets the role of every joint, at most one joint for each role. `joints`: parents before children. Cost: linear.
 pub fn assign_roles(joints: &mut [Joint]) {
-    let named: Vec<Option<(Option<Side>, Part)>> = joints.iter().map(|joint| read_name(&joint.name)).collect();
+    let named: Vec<Option<(Option<Side>, Part)>> =
+        joints.iter().map(|joint| read_name(&joint.name)).collect();
     for joint in joints.iter_mut() {
         joint.role = None;
     }
     let tree = NamedTree {
-        parents: joints.iter().map(|joint| joint.parent.map(JointId::as_usize)).collect(),
+        parents: joints
+            .iter()
+            .map(|joint| joint.parent.map(JointId::as_usize))
+            .collect(),
         named,
     };
     let mut found: Vec<(JointRole, usize)> = Vec::new();
@@ -77,11 +58,6 @@ pub fn missing_roles(skeleton: &Skeleton) -> Vec<JointRole> {
         .into_iter()
         .filter(|&role| skeleton.joint_of(role).is_none())
         .collect()
-}
-
-/// A joint that carries no flesh, only stray offsets: it counts for no height and no contact.
-pub fn is_helper(name: &str) -> bool {
-    name.to_ascii_uppercase().ends_with("_RIGMESH")
 }
 
 struct NamedTree {
@@ -112,8 +88,18 @@ impl NamedTree {
 
     fn leg(&self, side: Side) -> Vec<(JointRole, usize)> {
         let roles = match side {
-            Side::Left => [JointRole::LeftHip, JointRole::LeftKnee, JointRole::LeftFoot, JointRole::LeftToe],
-            Side::Right => [JointRole::RightHip, JointRole::RightKnee, JointRole::RightFoot, JointRole::RightToe],
+            Side::Left => [
+                JointRole::LeftHip,
+                JointRole::LeftKnee,
+                JointRole::LeftFoot,
+                JointRole::LeftToe,
+            ],
+            Side::Right => [
+                JointRole::RightHip,
+                JointRole::RightKnee,
+                JointRole::RightFoot,
+                JointRole::RightToe,
+            ],
         };
         let side = Some(side);
         let hip = self.first(side, &[Part::Thigh, Part::Hip, Part::Leg], None);
@@ -125,22 +111,37 @@ impl NamedTree {
 
     fn arm(&self, side: Side) -> Vec<(JointRole, usize)> {
         let roles = match side {
-            Side::Left => [JointRole::LeftClavicle, JointRole::LeftShoulder, JointRole::LeftElbow, JointRole::LeftHand],
-            Side::Right => {
-                [JointRole::RightClavicle, JointRole::RightShoulder, JointRole::RightElbow, JointRole::RightHand]
-            }
+            Side::Left => [
+                JointRole::LeftClavicle,
+                JointRole::LeftShoulder,
+                JointRole::LeftElbow,
+                JointRole::LeftHand,
+            ],
+            Side::Right => [
+                JointRole::RightClavicle,
+                JointRole::RightShoulder,
+                JointRole::RightElbow,
+                JointRole::RightHand,
+            ],
         };
         let side = Some(side);
         let upper = self.first(side, &[Part::UpperArm, Part::Shoulder], None);
         let elbow = self.first(side, &[Part::Forearm], upper);
         let hand = self.first(side, &[Part::Hand], elbow.or(upper));
         let is_above_upper = |&collar: &usize| upper.is_some_and(|upper| self.descendants(collar)[upper]);
-        let collar = self.first(side, &[Part::Collar, Part::Shoulder], None).filter(is_above_upper);
+        let collar = self
+            .first(side, &[Part::Collar, Part::Shoulder], None)
+            .filter(is_above_upper);
         pairs(roles, [collar, upper, elbow, hand])
     }
 
     fn trunk(&self, limbs: &[(JointRole, usize)]) -> Vec<(JointRole, usize)> {
-        let limb = |role| limbs.iter().find(|(found, _)| *found == role).map(|(_, joint)| *joint);
+        let limb = |role| {
+            limbs
+                .iter()
+                .find(|(found, _)| *found == role)
+                .map(|(_, joint)| *joint)
+        };
         let common = |a, b| Some(self.common_ancestor(limb(a)?, limb(b)?));
         let pelvis = common(JointRole::LeftHip, JointRole::RightHip)
             .or_else(|| self.first(None, &[Part::Pelvis, Part::Hip], None))
@@ -154,7 +155,13 @@ impl NamedTree {
         };
         let neck = self.first(None, &[Part::Neck], None);
         let head = self.first(None, &[Part::Head], None);
-        let roles = [JointRole::Pelvis, JointRole::Chest, JointRole::Spine, JointRole::Neck, JointRole::Head];
+        let roles = [
+            JointRole::Pelvis,
+            JointRole::Chest,
+            JointRole::Spine,
+            JointRole::Neck,
+            JointRole::Head,
+        ];
         let mut taken: Vec<usize> = limbs.iter().map(|(_, joint)| *joint).collect();
         let mut found = pairs(roles, [Some(pelvis), chest, spine, neck, head]);
         found.retain(|(_, joint)| {
@@ -194,77 +201,6 @@ fn pairs<const N: usize>(roles: [JointRole; N], joints: [Option<usize>; N]) -> V
         .collect()
 }
 
-/// Side and part that a joint's name tells; `None` for helpers and names that mean nothing here.
-fn read_name(name: &str) -> Option<(Option<Side>, Part)> {
-    let lower = name.to_ascii_lowercase();
-    if is_helper(name) || lower.starts_with("__") {
-        return None;
-    }
-    let bare = without_prefix(&lower);
-    let plain: String = bare.chars().filter(char::is_ascii_alphabetic).collect();
-    let (side, stem) = split_side(bare, &plain);
-    let part = part_of(stem)?;
-    let sided_part = !matches!(part, Part::Neck | Part::Head | Part::Chest | Part::Trunk | Part::Pelvis);
-    match (side, part) {
-        (None, Part::Hip) => Some((None, Part::Pelvis)),
-        (None, _) if sided_part => None,
-        (Some(_), _) if !sided_part => None,
-        found => Some(found),
-    }
-}
-
-/// `name` without `mixamorig:`, `character1_` and the like.
-fn without_prefix(name: &str) -> &str {
-    let name = name.rsplit(':').next().unwrap_or(name);
-    for prefix in ["character", "mixamorig", "bip"] {
-        if let Some(rest) = name.strip_prefix(prefix) {
-            return rest.trim_start_matches(|c: char| !c.is_ascii_alphabetic());
-        }
-    }
-    name
-}
-
-/// Side told at the start (`left…`, `l…`) or at the end (`….l`, `…_l`, `…left`), and what is left of the name.
-fn split_side<'a>(bare: &str, plain: &'a str) -> (Option<Side>, &'a str) {
-    for (word, letter, side) in [("left", 'l', Side::Left), ("right", 'r', Side::Right)] {
-        if let Some(stem) = plain.strip_prefix(word).or_else(|| plain.strip_suffix(word)) {
-            return (Some(side), stem);
-        }
-        let ends_so = ['.', '_', '-', ' '].iter().any(|separator| bare.ends_with(&[*separator, letter][..].iter().collect::<String>()));
-        if ends_so {
-            return (Some(side), &plain[..plain.len() - 1]);
-        }
-        match plain.strip_prefix(letter) {
-            Some(stem) if part_of(stem).is_some() => return (Some(side), stem),
-            _ => {}
-        }
-    }
-    (None, plain)
-}
-
-/// Part that a lower-case word without side, digits and separators means.
-fn part_of(stem: &str) -> Option<Part> {
-    Some(match stem {
-        "hip" | "hips" => Part::Hip,
-        "pelvis" | "root" => Part::Pelvis,
-        "upleg" | "upperleg" | "thigh" | "femur" => Part::Thigh,
-        "leg" => Part::Leg,
-        "lowleg" | "lowerleg" | "loleg" | "shin" | "knee" | "tibia" | "calf" => Part::Shank,
-        "foot" | "ankle" => Part::Foot,
-        "toe" | "toes" | "toebase" | "ball" => Part::Toe,
-        "collar" | "clavicle" => Part::Collar,
-        "shoulder" | "shldr" => Part::Shoulder,
-        "arm" | "uparm" | "upperarm" | "humerus" => Part::UpperArm,
-        "forearm" | "lowarm" | "lowerarm" | "loarm" | "elbow" | "radius" => Part::Forearm,
-        "hand" | "wrist" => Part::Hand,
-        "neck" | "lowerneck" | "upperneck" => Part::Neck,
-        "head" => Part::Head,
-        "chest" | "upperchest" | "thorax" => Part::Chest,
-        "spine" | "lowerback" | "upperback" | "abdomen" => Part::Trunk,
-        _ => return None,
-    })
-}
-
 #[cfg(test)]
 mod tests {
     use glam::DVec3;
@@ -276,7 +212,10 @@ mod tests {
     fn roles_of(lines: &[(&str, &str)]) -> Vec<(String, JointRole)> {
         let mut joints: Vec<Joint> = Vec::new();
         for (name, parent) in lines {
-            let parent = joints.iter().position(|joint| joint.name == *parent).map(JointId::from_usize);
+            let parent = joints
+                .iter()
+                .position(|joint| joint.name == *parent)
+                .map(JointId::from_usize);
             joints.push(Joint {
                 name: (*name).to_owned(),
                 parent,
@@ -287,30 +226,57 @@ mod tests {
             });
         }
         assign_roles(&mut joints);
-        joints.into_iter().filter_map(|joint| Some((joint.name, joint.role?))).collect()
+        joints
+            .into_iter()
+            .filter_map(|joint| Some((joint.name, joint.role?)))
+            .collect()
     }
 
     fn role(lines: &[(&str, &str)], name: &str) -> Option<JointRole> {
-        roles_of(lines).into_iter().find(|(found, _)| found == name).map(|(_, role)| role)
+        roles_of(lines)
+            .into_iter()
+            .find(|(found, _)| found == name)
+            .map(|(_, role)| role)
     }
 
     #[test]
     fn a_shoulder_is_the_upper_arm_only_where_no_other_joint_is() {
-        let with_collar = [("Hips", ""), ("LeftCollar", "Hips"), ("LeftShoulder", "LeftCollar"), ("LeftElbow", "LeftShoulder")];
+        let with_collar = [
+            ("Hips", ""),
+            ("LeftCollar", "Hips"),
+            ("LeftShoulder", "LeftCollar"),
+            ("LeftElbow", "LeftShoulder"),
+        ];
         assert_eq!(role(&with_collar, "LeftShoulder"), Some(JointRole::LeftShoulder));
         assert_eq!(role(&with_collar, "LeftCollar"), Some(JointRole::LeftClavicle));
-        let with_arm = [("Hips", ""), ("LeftShoulder1", "Hips"), ("LeftArm", "LeftShoulder1"), ("LeftForeArm", "LeftArm")];
+        let with_arm = [
+            ("Hips", ""),
+            ("LeftShoulder1", "Hips"),
+            ("LeftArm", "LeftShoulder1"),
+            ("LeftForeArm", "LeftArm"),
+        ];
         assert_eq!(role(&with_arm, "LeftShoulder1"), Some(JointRole::LeftClavicle));
         assert_eq!(role(&with_arm, "LeftArm"), Some(JointRole::LeftShoulder));
     }
 
     #[test]
     fn a_buttock_and_a_hip_joint_are_not_the_thigh() {
-        let daz = [("hip", ""), ("lButtock", "hip"), ("lThigh", "lButtock"), ("lShin", "lThigh"), ("lFoot", "lShin")];
+        let daz = [
+            ("hip", ""),
+            ("lButtock", "hip"),
+            ("lThigh", "lButtock"),
+            ("lShin", "lThigh"),
+            ("lFoot", "lShin"),
+        ];
         assert_eq!(role(&daz, "lButtock"), None);
         assert_eq!(role(&daz, "lThigh"), Some(JointRole::LeftHip));
         assert_eq!(role(&daz, "hip"), Some(JointRole::Pelvis));
-        let cmu = [("Hips", ""), ("LHipJoint", "Hips"), ("LeftHip", "LHipJoint"), ("LeftKnee", "LeftHip")];
+        let cmu = [
+            ("Hips", ""),
+            ("LHipJoint", "Hips"),
+            ("LeftHip", "LHipJoint"),
+            ("LeftKnee", "LeftHip"),
+        ];
         assert_eq!(role(&cmu, "LHipJoint"), None);
         assert_eq!(role(&cmu, "LeftHip"), Some(JointRole::LeftHip));
         assert_eq!(role(&cmu, "LeftKnee"), Some(JointRole::LeftKnee));
@@ -318,7 +284,13 @@ mod tests {
 
     #[test]
     fn prefixes_case_and_helpers_do_not_matter() {
-        let body = [("Character1_Hips", ""), ("L_Femur_RIGMESH", "Character1_Hips"), ("HEad", "Character1_Hips"), ("mixamorig:LeftUpLeg", "Character1_Hips"), ("lowerback", "Character1_Hips")];
+        let body = [
+            ("Character1_Hips", ""),
+            ("L_Femur_RIGMESH", "Character1_Hips"),
+            ("HEad", "Character1_Hips"),
+            ("mixamorig:LeftUpLeg", "Character1_Hips"),
+            ("lowerback", "Character1_Hips"),
+        ];
         assert_eq!(role(&body, "Character1_Hips"), Some(JointRole::Pelvis));
         assert_eq!(role(&body, "L_Femur_RIGMESH"), None);
         assert_eq!(role(&body, "HEad"), Some(JointRole::Head));
@@ -328,7 +300,13 @@ mod tests {
 
     #[test]
     fn of_two_hand_joints_the_wrist_turns_the_hand() {
-        let arm = [("Hips", ""), ("lhumerus", "Hips"), ("lradius", "lhumerus"), ("lwrist", "lradius"), ("lhand", "lwrist")];
+        let arm = [
+            ("Hips", ""),
+            ("lhumerus", "Hips"),
+            ("lradius", "lhumerus"),
+            ("lwrist", "lradius"),
+            ("lhand", "lwrist"),
+        ];
         assert_eq!(role(&arm, "lwrist"), Some(JointRole::LeftHand));
         assert_eq!(role(&arm, "lhand"), None);
         assert_eq!(role(&arm, "lradius"), Some(JointRole::LeftElbow));
