@@ -20,10 +20,10 @@ use crate::geometry::plan_of;
 use crate::index::{FrameIndex, SourceFrame};
 use crate::skeleton::{Axis, Joint, Skeleton};
 
-fn toy(name: &str, frames: u32, fps: f64, step: f64) -> Clip {
+fn toy(name: &str, joints: usize, frames: u32, (fps, step): (f64, f64)) -> Clip {
     let joint = Joint {
         name: "hips".to_owned(),
-        parent: None,
+        parent: None, // of every joint: it is a toy
         offset: DVec3::new(0.0, 1.0, 0.0),
         end_site: None,
         rotation_order: [Axis::Z, Axis::X, Axis::Y],
@@ -31,10 +31,14 @@ fn toy(name: &str, frames: u32, fps: f64, step: f64) -> Clip {
     };
     Clip {
         name: name.to_owned(),
-        skeleton: Arc::new(Skeleton { joints: vec![joint] }),
+        skeleton: Arc::new(Skeleton {
+            joints: vec![joint; joints],
+        }),
         fps,
-        root_positions: (0..frames).map(|k| DVec3::new(f64::from(k) * step, 1.0, 0.0)).collect(),
-        rotations: vec![DQuat::from_rotation_y(FRAC_PI_2); frames as usize],
+        root_positions: (0..frames)
+            .map(|k| DVec3::new(f64::from(k) * step, 1.0, 0.0))
+            .collect(),
+        rotations: vec![DQuat::from_rotation_y(FRAC_PI_2); frames as usize * joints],
         moving_offsets: Vec::new(),
         events: BTreeMap::new(),
         usable: (SourceFrame(0), SourceFrame(frames.saturating_sub(1))),
@@ -47,7 +51,8 @@ impl WorkingClip {
         let exact = f64::from(last.0 - first.0) / (clip.fps * WORKING_STEP);
         let count = crate::index::floor_index(exact + 1e-9) + 1;
         let at = |working: usize| {
-            let frame = f64::from(first.0) + f64::from(FrameIndex::from_usize(working).0) * clip.fps * WORKING_STEP;
+            let frame =
+                f64::from(first.0) + f64::from(FrameIndex::from_usize(working).0) * clip.fps * WORKING_STEP;
             plan_of(clip.root_positions[crate::index::floor_index(frame + 1e-9)])
         };
         Self {
@@ -86,10 +91,10 @@ pub mod builtin {
             return Err(BuiltinError::Parameter(unknown.clone()));
         }
         match name {
-            "walk" => Ok(toy(name, 121, 30.0, 1.2 / 30.0)),
-            "idle" => Ok(toy(name, 91, 30.0, 0.0)),
+            "walk" => Ok(toy(name, 1, 121, (30.0, 1.2 / 30.0))),
+            "idle" => Ok(toy(name, 1, 91, (30.0, 0.0))),
             "slap" => {
-                let mut clip = toy(name, 121, 30.0, 0.01);
+                let mut clip = toy(name, 1, 121, (30.0, 0.01));
                 clip.events.insert("hit".to_owned(), SourceFrame(60));
                 Ok(clip)
             }
@@ -149,13 +154,20 @@ pub mod bvh {
                 frames = count.trim().parse().map_err(|_| BvhError::Number(index + 1))?;
             }
             if let (None, Some(step)) = (options.fps, line.strip_prefix("Frame Time:")) {
-                fps = 1.0 / step.trim().parse::<f64>().map_err(|_| BvhError::Number(index + 1))?;
+                fps = 1.0
+                    / step
+                        .trim()
+                        .parse::<f64>()
+                        .map_err(|_| BvhError::Number(index + 1))?;
             }
         }
         let mut notes = Vec::new();
         if options.unit_to_m.is_none() {
             notes.push("unit guessed: centimetres".to_owned());
         }
-        Ok(ReadClip { clip: toy(name, frames, fps, 0.01), notes })
+        Ok(ReadClip {
+            clip: toy(name, 2, frames, (fps, 0.01)),
+            notes,
+        })
     }
 }
