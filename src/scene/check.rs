@@ -7,8 +7,9 @@ use std::sync::Arc;
 use crate::constraint::{Constraint, Instant};
 use crate::geometry::c64;
 use crate::index::CharacterId;
+use crate::scene::checker::{Checked, check_intervals};
 use crate::scene::clips::{self, ClipFolders, Declared, check_name, within};
-use crate::scene::constraints::{self, Checked};
+use crate::scene::constraints;
 use crate::scene::moment::{Entry, Member};
 use crate::scene::report::{At, Lines, Place, Report};
 use crate::scene::tree::Field;
@@ -42,7 +43,10 @@ pub fn check(
     let cast = cast(raw, &clips, report);
     let objects = objects(raw, report);
     check_unique(raw, report);
-    let checked = constraints::check(raw, &cast, &objects, lines, report);
+    let checked = match raw.character {
+        Field::Spoiled => Checked::default(),
+        _ => constraints::check(raw, &cast, &objects, lines, report),
+    };
     ties::warn_of_untied(&checked, &cast, report);
     let characters = characters(raw, &cast, &checked, report);
     Scene {
@@ -134,7 +138,11 @@ fn member(character: &raw::Character, clips: &[Declared], used: &mut [bool], rep
                 report.fault(place, format!("no clip \"{name}\""), help);
                 member.track_is_known = false;
                 let events = Arc::default();
-                member.track.push(Entry { name: name.clone(), clip: None, events });
+                member.track.push(Entry {
+                    name: name.clone(),
+                    clip: None,
+                    events,
+                });
             }
         }
     }
@@ -166,7 +174,11 @@ fn sound_object(object: &At<raw::Object>, report: &mut Report) -> Option<Object>
     for side in raw.size.value().into_iter().flatten() {
         if side.value <= 0.0 || side.value > FARTHEST {
             let message = format!("{} metres is no side of an object", side.value);
-            report.fault(&side.place, message, format!("write a number above 0 and at most {FARTHEST}"));
+            report.fault(
+                &side.place,
+                message,
+                format!("write a number above 0 and at most {FARTHEST}"),
+            );
         }
     }
     Some(Object {
@@ -215,7 +227,7 @@ fn characters(raw: &raw::Scene, cast: &[Member], checked: &Checked, report: &mut
             track(&character.value, member, &protected, report)
         })
         .collect();
-    constraints::check_intervals(checked, cast, &tracks, report);
+    check_intervals(checked, cast, &tracks, report);
     cast.iter()
         .zip(tracks)
         .filter_map(|(member, track)| {
@@ -234,7 +246,11 @@ fn protected(character: CharacterId, constraints: &[Constraint]) -> Vec<Protecte
         .filter_map(|moment| match moment.instant {
             Instant::Frame { entry, working } => {
                 let moment = moment.name.clone();
-                Some(Protected { entry, working, moment })
+                Some(Protected {
+                    entry,
+                    working,
+                    moment,
+                })
             }
             _ => None,
         })
@@ -256,12 +272,19 @@ fn track(
     let clips: Option<Vec<_>> = member.track.iter().map(|entry| entry.clip.clone()).collect();
     let clips = clips.filter(|clips| !clips.is_empty())?;
     let skeleton = &clips[0].clip.skeleton;
-    if let Some(other) = clips.iter().position(|clip| !skeleton.matches(&clip.clip.skeleton)) {
+    if let Some(other) = clips
+        .iter()
+        .position(|clip| !skeleton.matches(&clip.clip.skeleton))
+    {
         let (first, second) = (&clips[0].name, &clips[other].name);
         let message = format!(
             "\"{first}\" and \"{second}\" have different skeletons; a track that mixes skeletons is not available yet"
         );
-        report.fault(&places.value[other].place, message, "use clips of one skeleton on a track");
+        report.fault(
+            &places.value[other].place,
+            message,
+            "use clips of one skeleton on a track",
+        );
         return None;
     }
     let (track, seams) = Track::string(clips, protected, (position, facing));

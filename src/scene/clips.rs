@@ -29,7 +29,9 @@ impl ClipFolders {
     /// What `$COTILLION_MOCAP` says.
     pub fn from_environment() -> Self {
         let mocap = std::env::var_os("COTILLION_MOCAP").filter(|folder| !folder.is_empty());
-        Self { mocap: mocap.map(PathBuf::from) }
+        Self {
+            mocap: mocap.map(PathBuf::from),
+        }
     }
 }
 
@@ -49,12 +51,24 @@ const FEWEST_WORKING_FRAMES: usize = 3;
 const LONGEST_CLIP: f64 = 86_400.0;
 
 /// Reads the clips that `scene` declares. `folder`: where the scene file is.
-pub fn declared(scene: &raw::Scene, folder: &Path, folders: &ClipFolders, report: &mut Report) -> Vec<Declared> {
+pub fn declared(
+    scene: &raw::Scene,
+    folder: &Path,
+    folders: &ClipFolders,
+    report: &mut Report,
+) -> Vec<Declared> {
     let clips: &[_] = scene.clips.value().map_or(&[], |clips| &clips.0);
     let sources: Vec<_> = clips
         .iter()
         .map(|(name, clip)| {
-            check_name(&At { value: name.clone(), place: clip.place.clone() }, "clip", report);
+            check_name(
+                &At {
+                    value: name.clone(),
+                    place: clip.place.clone(),
+                },
+                "clip",
+                report,
+            );
             source_of(clip, folder, folders, report)
         })
         .collect();
@@ -72,7 +86,10 @@ pub fn declared(scene: &raw::Scene, folder: &Path, folders: &ClipFolders, report
                 }
             });
             let entry = entry(name, clip, read, report);
-            Declared { place: place.clone(), entry }
+            Declared {
+                place: place.clone(),
+                entry,
+            }
         })
         .collect()
 }
@@ -104,9 +121,20 @@ fn read_once(sources: &[Option<Source>]) -> BTreeMap<String, Result<Read, Unread
         .collect()
 }
 
-fn source_of(clip: &At<raw::Clip>, folder: &Path, folders: &ClipFolders, report: &mut Report) -> Option<Source> {
+fn source_of(
+    clip: &At<raw::Clip>,
+    folder: &Path,
+    folders: &ClipFolders,
+    report: &mut Report,
+) -> Option<Source> {
     match &clip.value {
-        raw::Clip::Source(text) => named_source(text, &clip.place, FileOptions::default(), (folder, folders), report),
+        raw::Clip::Source(text) => named_source(
+            text,
+            &clip.place,
+            FileOptions::default(),
+            (folder, folders),
+            report,
+        ),
         raw::Clip::File(file) => {
             let options = options_of(file, report);
             if let Some(skeleton) = file.skeleton.given() {
@@ -121,6 +149,7 @@ fn source_of(clip: &At<raw::Clip>, folder: &Path, folders: &ClipFolders, report:
             }
             named_source(value, place, options?, (folder, folders), report)
         }
+        raw::Clip::Spoiled => None,
         raw::Clip::Builtin(builtin) => Some(Source::Builtin {
             name: builtin.builtin.value()?.clone(),
             parameters: builtin
@@ -141,7 +170,10 @@ fn named_source(
     report: &mut Report,
 ) -> Option<Source> {
     if let Some(name) = text.strip_prefix("builtin:") {
-        return Some(Source::Builtin { name: name.to_owned(), parameters: BTreeMap::new() });
+        return Some(Source::Builtin {
+            name: name.to_owned(),
+            parameters: BTreeMap::new(),
+        });
     }
     let lower = text.to_ascii_lowercase();
     if lower.ends_with(".amc") || lower.ends_with(".asf") {
@@ -171,14 +203,28 @@ fn options_of(file: &raw::FileClip, report: &mut Report) -> Option<FileOptions> 
     let fps = within(&file.fps, 1000.0, "frames per second", report);
     let unit_to_m = match file.unit.given() {
         None => None,
-        Some(At { value: WordOr::Word(name), .. }) => Some(match name {
+        Some(At {
+            value: WordOr::Word(name),
+            ..
+        }) => Some(match name {
             UnitName::Metre => 1.0,
             UnitName::Centimetre => 0.01,
             UnitName::Inch => 0.0254,
         }),
-        Some(At { value: Unit::Other(metres), place }) => {
-            let given = At { value: *metres, place: place.clone() };
-            Some(within(&Field::Given(given), 1000.0, "metres per unit of the file", report)?)
+        Some(At {
+            value: Unit::Other(metres),
+            place,
+        }) => {
+            let given = At {
+                value: *metres,
+                place: place.clone(),
+            };
+            Some(within(
+                &Field::Given(given),
+                1000.0,
+                "metres per unit of the file",
+                report,
+            )?)
         }
     };
     let up: Option<Up> = file.up.value().copied();
@@ -201,13 +247,17 @@ pub fn within(field: &Field<f64>, largest: f64, what: &str, report: &mut Report)
 /// The clip as its tracks use it: range and named frames.
 fn entry(name: &str, declared: &At<raw::Clip>, read: Option<&Read>, report: &mut Report) -> Entry {
     let (frames, events) = match &declared.value {
-        raw::Clip::Source(_) => (&Field::Absent, &Field::Absent),
+        raw::Clip::Source(_) | raw::Clip::Spoiled => (&Field::Absent, &Field::Absent),
         raw::Clip::File(file) => (&file.frames, &file.events),
         raw::Clip::Builtin(builtin) => (&builtin.frames, &builtin.events),
     };
     check_event_names(events, report);
     let Some(Read { clip, notes }) = read else {
-        return Entry { name: name.to_owned(), clip: None, events: Arc::default() };
+        return Entry {
+            name: name.to_owned(),
+            clip: None,
+            events: Arc::default(),
+        };
     };
     for note in notes {
         let help = "give fps, unit or up in the clip's table if this is not right";
@@ -216,11 +266,20 @@ fn entry(name: &str, declared: &At<raw::Clip>, read: Option<&Read>, report: &mut
     let range = range(clip, frames, &declared.place, report);
     let mut named = clip.events.clone();
     if let Some(events) = events.value() {
-        named.extend(events.0.iter().map(|(event, frame)| (event.clone(), SourceFrame(frame.value))));
+        named.extend(
+            events
+                .0
+                .iter()
+                .map(|(event, frame)| (event.clone(), SourceFrame(frame.value))),
+        );
         check_events(events, range, report);
     }
     let working = range.map(|(first, last)| WorkingClip::new(name, Arc::clone(clip), first, last));
-    Entry { name: name.to_owned(), clip: working.map(Arc::new), events: Arc::new(named) }
+    Entry {
+        name: name.to_owned(),
+        clip: working.map(Arc::new),
+        events: Arc::new(named),
+    }
 }
 
 /// First and last frame to use; `None`, reported, if the clip has no such range.
@@ -233,31 +292,47 @@ fn range(
     let (first, last, place) = match frames {
         Field::Spoiled => return None,
         Field::Absent => (clip.usable.0, clip.usable.1, place),
-        Field::Given(At { value: [first, last], place }) => {
-            (SourceFrame(first.value), SourceFrame(last.value), place)
-        }
+        Field::Given(At {
+            value: [first, last],
+            place,
+        }) => (SourceFrame(first.value), SourceFrame(last.value), place),
     };
     let count = clip.frame_count();
     if last.as_usize() >= count {
         let message = format!("the file has {count} frames: frame {} is not among them", last.0);
-        report.fault(place, message, format!("frames count from 0: the last one is {}", count.saturating_sub(1)));
+        report.fault(
+            place,
+            message,
+            format!("frames count from 0: the last one is {}", count.saturating_sub(1)),
+        );
         return None;
     }
     if first > last {
         let message = format!("the first frame, {}, comes after the last, {}", first.0, last.0);
-        report.fault(place, message, format!("write frames = [{}, {}]", last.0, first.0));
+        report.fault(
+            place,
+            message,
+            format!("write frames = [{}, {}]", last.0, first.0),
+        );
         return None;
     }
     let seconds = f64::from(last.0 - first.0) / clip.fps;
     if seconds > LONGEST_CLIP {
-        let message = format!("{seconds:.0} seconds at {} frames a second is more than a day", clip.fps);
+        let message = format!(
+            "{seconds:.0} seconds at {} frames a second is more than a day",
+            clip.fps
+        );
         report.fault(place, message, "give the clip its right fps, or fewer frames");
         return None;
     }
     let shortest = WORKING_STEP * (FEWEST_WORKING_FRAMES as f64 - 1.0);
     if seconds < shortest * (1.0 - 1e-9) {
         let message = format!("{seconds:.3} seconds are too short to be edited");
-        report.fault(place, message, format!("use a range of at least {shortest:.3} seconds"));
+        report.fault(
+            place,
+            message,
+            format!("use a range of at least {shortest:.3} seconds"),
+        );
         return None;
     }
     Some((first, last))
@@ -265,10 +340,21 @@ fn range(
 
 fn check_event_names(events: &Field<Named<u32>>, report: &mut Report) {
     for (name, frame) in events.value().map_or(&[][..], |events| &events.0) {
-        check_name(&At { value: name.clone(), place: frame.place.clone() }, "event", report);
+        check_name(
+            &At {
+                value: name.clone(),
+                place: frame.place.clone(),
+            },
+            "event",
+            report,
+        );
         if name == "start" || name == "end" || name.parse::<u32>().is_ok() {
             let message = format!("an event cannot be called \"{name}\"");
-            report.fault(&frame.place, message, "start, end and numbers already name frames: choose another name");
+            report.fault(
+                &frame.place,
+                message,
+                "start, end and numbers already name frames: choose another name",
+            );
         }
     }
 }
@@ -279,7 +365,10 @@ fn check_events(events: &Named<u32>, range: Option<(SourceFrame, SourceFrame)>, 
     };
     for (name, frame) in &events.0 {
         if !(first.0..=last.0).contains(&frame.value) {
-            let message = format!("the event \"{name}\" is at frame {}, outside the clip", frame.value);
+            let message = format!(
+                "the event \"{name}\" is at frame {}, outside the clip",
+                frame.value
+            );
             let help = format!("the clip uses frames {} to {} of its file", first.0, last.0);
             report.fault(&frame.place, message, help);
         }

@@ -2,32 +2,17 @@
 
 use std::collections::BTreeMap;
 
-use crate::constraint::{Constraint, ConstraintKind, Instant, Moment, Partner, Relation, Strength, When};
+use crate::constraint::{ConstraintKind, Partner, Relation, When};
 use crate::geometry::c64;
 use crate::index::ObjectId;
 use crate::scene::check::{Objects, plan_point, tables};
-use crate::scene::clips::check_name;
-use crate::scene::moment::{self, Member, Unresolved};
+use crate::scene::checker::{Checked, Checker};
+use crate::scene::moment::Member;
 use crate::scene::raw;
 use crate::scene::report::{At, Lines, Place, Report};
 use crate::scene::suggest;
 use crate::scene::tree::Field;
-use crate::scene::values::{self, OneOrPair, Pair, WordOr};
-use crate::track::Track;
-
-/// Longest time, seconds, that a scene may speak of.
-const LONGEST: f64 = 1e6;
-
-/// Constraints that are sound, and where their parts stand.
-#[derive(Debug, Default)]
-pub struct Checked {
-    /// Pins, relatives, times, durations, syncs, each kind in the order of the file.
-    pub constraints: Vec<Constraint>,
-    /// Where each constraint stands.
-    pub places: Vec<Place>,
-    /// Every interval, beginning and end, of one character each.
-    pub intervals: Vec<(Moment, Moment, Place)>,
-}
+use crate::scene::values::{OneOrPair, WordOr};
 
 /// Checks every constraint of `raw`. `lines`: of the file.
 pub fn check(
@@ -37,116 +22,63 @@ pub fn check(
     lines: &Lines<'_>,
     report: &mut Report,
 ) -> Checked {
-    let mut checker = Checker { cast, objects, lines, report, names: BTreeMap::new(), checked: Checked::default() };
+    let mut checker = Checker {
+        cast,
+        objects,
+        lines,
+        report,
+        names: BTreeMap::new(),
+        checked: Checked::default(),
+    };
     for (index, table) in tables(&raw.pin).iter().enumerate() {
         let kind = checker.pin(table);
-        checker.keep(("pin", index), table, (&table.value.name, &table.value.strength), kind);
+        checker.keep(
+            ("pin", index),
+            table,
+            (&table.value.name, &table.value.strength),
+            kind,
+        );
     }
     for (index, table) in tables(&raw.relative).iter().enumerate() {
         let kind = checker.relative(table);
-        checker.keep(("relative", index), table, (&table.value.name, &table.value.strength), kind);
+        checker.keep(
+            ("relative", index),
+            table,
+            (&table.value.name, &table.value.strength),
+            kind,
+        );
     }
     for (index, table) in tables(&raw.time).iter().enumerate() {
         let kind = checker.time(&table.value);
-        checker.keep(("time", index), table, (&table.value.name, &table.value.strength), kind);
+        checker.keep(
+            ("time", index),
+            table,
+            (&table.value.name, &table.value.strength),
+            kind,
+        );
     }
     for (index, table) in tables(&raw.duration).iter().enumerate() {
         let kind = checker.duration(table);
-        checker.keep(("duration", index), table, (&table.value.name, &table.value.strength), kind);
+        checker.keep(
+            ("duration", index),
+            table,
+            (&table.value.name, &table.value.strength),
+            kind,
+        );
     }
     for (index, table) in tables(&raw.sync).iter().enumerate() {
         let kind = checker.sync(table);
-        checker.keep(("sync", index), table, (&table.value.name, &table.value.strength), kind);
+        checker.keep(
+            ("sync", index),
+            table,
+            (&table.value.name, &table.value.strength),
+            kind,
+        );
     }
     checker.checked
 }
 
-/// Reports intervals that do not run forwards. `tracks`: of the cast, as far as they could be strung.
-pub fn check_intervals(checked: &Checked, cast: &[Member], tracks: &[Option<Track>], report: &mut Report) {
-    for (from, to, place) in &checked.intervals {
-        let who = from.character.as_usize();
-        let located = tracks.get(who).and_then(Option::as_ref).and_then(|track| {
-            let (from, to) = (track.locate(from.instant)?, track.locate(to.instant)?);
-            Some(from < to)
-        });
-        let forwards = order(from.instant, &cast[who]) < order(to.instant, &cast[who]);
-        if !forwards || located == Some(false) {
-            let message = format!("\"{}\" does not come before \"{}\"", from.name, to.name);
-            report.fault(place, message, "write the earlier moment first, the later one second");
-        }
-    }
-}
-
-/// Place of an instant in the order of the unedited track: clip, then working frame.
-pub fn order(instant: Instant, member: &Member) -> (usize, f64) {
-    match instant {
-        Instant::TrackStart => (0, f64::NEG_INFINITY),
-        Instant::TrackEnd => (member.track.len().saturating_sub(1), f64::INFINITY),
-        Instant::ClipStart(entry) => (entry, f64::NEG_INFINITY),
-        Instant::ClipEnd(entry) => (entry, f64::INFINITY),
-        Instant::Frame { entry, working } => (entry, working),
-    }
-}
-
-struct Checker<'a> {
-    cast: &'a [Member],
-    objects: &'a Objects,
-    lines: &'a Lines<'a>,
-    report: &'a mut Report,
-    /// Names of constraints so far.
-    names: BTreeMap<String, String>,
-    checked: Checked,
-}
-
 impl Checker<'_> {
-    /// Adds the constraint of `table`, the `index`-th of its kind, where `kind` is sound.
-    fn keep<T>(
-        &mut self,
-        (keyword, index): (&str, usize),
-        table: &At<T>,
-        (name, strength): (&Field<String>, &Field<values::Strength>),
-        kind: Option<ConstraintKind>,
-    ) {
-        let place = &table.place;
-        let own = format!("{keyword}[{index}]");
-        let strength = self.strength(strength);
-        if let Some(name) = name.given() {
-            check_name(name, "constraint", self.report);
-        }
-        let called = name.value().cloned().unwrap_or_else(|| own.clone());
-        if let Some(other) = self.names.insert(called.clone(), own) {
-            let message = format!("{other} is already called \"{called}\"");
-            let place = name.given().map_or(place, |name| &name.place);
-            self.report.fault(place, message, "give each constraint a name of its own, or none");
-        }
-        let Some(kind) = kind else {
-            return;
-        };
-        if matches!(strength, Strength::Hard) && holds_interval(&kind) {
-            let message = "a hard constraint over an interval holds at every sample and is easily too much";
-            let help = "leave \"strength\" out or give it a weight, unless nothing else bears on the interval";
-            self.report.warn(place, message, help);
-        }
-        let line = u32::try_from(self.lines.position(place.span.start).0).unwrap_or(u32::MAX);
-        self.checked.constraints.push(Constraint { name: called, line, strength, kind });
-        self.checked.places.push(place.clone());
-    }
-
-    fn strength(&mut self, strength: &Field<values::Strength>) -> Strength {
-        match strength.given() {
-            None => Strength::default(),
-            Some(At { value: WordOr::Word(_), .. }) => Strength::Hard,
-            Some(At { value: WordOr::Other(weight), place }) => {
-                if *weight <= 0.0 {
-                    let message = format!("{weight} is no weight");
-                    let help = "write a number above 0 or \"hard\"; remove the constraint if it is not to hold";
-                    self.report.fault(place, message, help);
-                }
-                Strength::Soft(*weight)
-            }
-        }
-    }
-
     fn pin(&mut self, table: &At<raw::Pin>) -> Option<ConstraintKind> {
         let pin = &table.value;
         if pin.position.is_absent() && pin.facing.is_absent() {
@@ -156,16 +88,29 @@ impl Checker<'_> {
         let position = pin.position.given().map(|pair| plan_point(pair, self.report));
         let when = self.when(&table.place, &pin.at, &pin.during);
         let facing = pin.facing.value().map(|degrees| degrees.to_radians());
-        Some(ConstraintKind::Pin { when: when?, position, facing })
+        Some(ConstraintKind::Pin {
+            when: when?,
+            position,
+            facing,
+        })
     }
 
     fn relative(&mut self, table: &At<raw::Relative>) -> Option<ConstraintKind> {
         let relative = &table.value;
         let offset = match relative.offset.given() {
             None => Relation::AsBefore,
-            Some(At { value: WordOr::Word(_), .. }) => Relation::Free,
-            Some(At { value: WordOr::Other(pair), place }) => {
-                let pair = At { value: pair.clone(), place: place.clone() };
+            Some(At {
+                value: WordOr::Word(_),
+                ..
+            }) => Relation::Free,
+            Some(At {
+                value: WordOr::Other(pair),
+                place,
+            }) => {
+                let pair = At {
+                    value: pair.clone(),
+                    place: place.clone(),
+                };
                 Relation::Given(plan_point(&pair, self.report))
             }
         };
@@ -176,7 +121,8 @@ impl Checker<'_> {
         };
         if offset == Relation::<c64>::Free && relative.facing.is_absent() {
             let help = "give an offset or a facing, or leave \"offset\" out to keep it as before the edit";
-            self.report.fault(&table.place, "neither offset nor facing is held", help);
+            self.report
+                .fault(&table.place, "neither offset nor facing is held", help);
         }
         let when = self.when(&table.place, &relative.at, &relative.during);
         let partner = relative.to.given().and_then(|to| self.partner(to, when.as_ref()));
@@ -187,17 +133,26 @@ impl Checker<'_> {
             let name = &self.cast[when.character().as_usize()].name;
             let message = format!("\"{name}\" cannot be held relative to \"{name}\"");
             let place = relative.to.given().map_or(&table.place, |to| &to.place);
-            self.report.fault(place, message, "name a moment of somebody else, or an object");
+            self.report
+                .fault(place, message, "name a moment of somebody else, or an object");
         }
-        Some(ConstraintKind::Relative { when, partner, offset, facing })
+        Some(ConstraintKind::Relative {
+            when,
+            partner,
+            offset,
+            facing,
+        })
     }
 
     fn partner(&mut self, to: &At<OneOrPair>, when: Option<&When>) -> Option<Partner> {
         match (&to.value, when) {
             (OneOrPair::One(name), _) if !name.contains(':') => self.object(name, &to.place),
             (OneOrPair::One(text), Some(When::During(..))) => {
-                let help = format!("write to = [\"{text}\", …] with the two moments that bound the partner's interval");
-                self.report.fault(&to.place, "an interval needs an interval of the partner", help);
+                let help = format!(
+                    "write to = [\"{text}\", …] with the two moments that bound the partner's interval"
+                );
+                self.report
+                    .fault(&to.place, "an interval needs an interval of the partner", help);
                 None
             }
             (OneOrPair::One(text), _) => {
@@ -206,7 +161,8 @@ impl Checker<'_> {
             }
             (OneOrPair::Pair(_), Some(When::At(_))) => {
                 let help = "name one moment, or use \"during\" with two moments in place of \"at\"";
-                self.report.fault(&to.place, "an instant needs one moment of the partner", help);
+                self.report
+                    .fault(&to.place, "an instant needs one moment of the partner", help);
                 None
             }
             (OneOrPair::Pair(pair), _) => {
@@ -222,12 +178,17 @@ impl Checker<'_> {
         }
         if self.cast.iter().any(|member| member.name == name) {
             let message = format!("\"{name}\" is a character: say at which moment");
-            self.report.fault(place, message, format!("write a moment such as \"{name}:start\""));
+            self.report
+                .fault(place, message, format!("write a moment such as \"{name}:start\""));
         } else if self.objects.names.iter().all(|known| !known.is_empty()) {
             let names: Vec<_> = self.objects.names.iter().map(String::as_str).collect();
             let help = suggest::remedy(name, "objects", &names);
             let message = format!("no object \"{name}\"");
-            self.report.fault(place, message, format!("{help}; a moment of a character needs ':'"));
+            self.report.fault(
+                place,
+                message,
+                format!("{help}; a moment of a character needs ':'"),
+            );
         }
         None
     }
@@ -235,7 +196,10 @@ impl Checker<'_> {
     fn time(&mut self, time: &raw::Time) -> Option<ConstraintKind> {
         let seconds = self.seconds(&time.seconds);
         let at = time.at.given().and_then(|at| self.moment(&at.value, &at.place));
-        Some(ConstraintKind::Time { at: at?, seconds: seconds? })
+        Some(ConstraintKind::Time {
+            at: at?,
+            seconds: seconds?,
+        })
     }
 
     fn duration(&mut self, table: &At<raw::Duration>) -> Option<ConstraintKind> {
@@ -247,11 +211,21 @@ impl Checker<'_> {
             let message = format!("{} seconds is no duration", given.value);
             self.report.fault(&given.place, message, "write a number above 0");
         }
-        let from = duration.from.given().and_then(|at| self.moment(&at.value, &at.place));
-        let to = duration.to.given().and_then(|at| self.moment(&at.value, &at.place));
+        let from = duration
+            .from
+            .given()
+            .and_then(|at| self.moment(&at.value, &at.place));
+        let to = duration
+            .to
+            .given()
+            .and_then(|at| self.moment(&at.value, &at.place));
         let place = duration.to.given().map_or(&table.place, |to| &to.place);
         let (from, to) = self.of_one_character(from?, to?, place)?;
-        Some(ConstraintKind::Duration { from, to, seconds: seconds? })
+        Some(ConstraintKind::Duration {
+            from,
+            to,
+            seconds: seconds?,
+        })
     }
 
     fn sync(&mut self, table: &At<raw::Sync>) -> Option<ConstraintKind> {
@@ -259,12 +233,14 @@ impl Checker<'_> {
         let (place, count) = match (&sync.moments, &sync.intervals) {
             (Field::Absent, Field::Absent) => {
                 let help = "add moments = [\"ann:start\", \"bob:start\"]";
-                self.report.fault(&table.place, "the sync has neither moments nor intervals", help);
+                self.report
+                    .fault(&table.place, "the sync has neither moments nor intervals", help);
                 return None;
             }
             (Field::Given(_), Field::Given(intervals)) => {
                 let help = "keep one of them, and make a second [[sync]] of the other";
-                self.report.fault(&intervals.place, "a sync has either moments or intervals", help);
+                self.report
+                    .fault(&intervals.place, "a sync has either moments or intervals", help);
                 return None;
             }
             (Field::Given(moments), _) => (&moments.place, moments.value.len()),
@@ -273,17 +249,26 @@ impl Checker<'_> {
         };
         if count < 2 {
             let message = format!("{count} of two or more");
-            self.report.fault(place, message, "name at least two that happen together");
+            self.report
+                .fault(place, message, "name at least two that happen together");
         }
         if let Some(offset) = sync.offset.given()
             && count > 2
         {
             let message = format!("an offset is between two, but this sync has {count}");
-            self.report.fault(&offset.place, message, "make a [[sync]] of two for each offset");
+            self.report
+                .fault(&offset.place, message, "make a [[sync]] of two for each offset");
         }
-        let offset = if sync.offset.is_absent() { Some(0.0) } else { self.seconds(&sync.offset) };
+        let offset = if sync.offset.is_absent() {
+            Some(0.0)
+        } else {
+            self.seconds(&sync.offset)
+        };
         let moments = self.synchronized(sync);
-        Some(ConstraintKind::Sync { moments: moments?, offset: offset? })
+        Some(ConstraintKind::Sync {
+            moments: moments?,
+            offset: offset?,
+        })
     }
 
     /// Moments or intervals of `sync`, of different characters.
@@ -295,7 +280,10 @@ impl Checker<'_> {
         let mut all: Vec<_> = moments.collect();
         let intervals = sync.intervals.value().into_iter().flatten().map(|at| {
             let interval = self.interval(&at.value, &at.place);
-            (interval.map(|(from, to)| When::During(from, to)), at.place.clone())
+            (
+                interval.map(|(from, to)| When::During(from, to)),
+                at.place.clone(),
+            )
         });
         all.extend(intervals);
         let mut seen = Vec::new();
@@ -305,74 +293,18 @@ impl Checker<'_> {
             };
             let who = when.character();
             if seen.contains(&who) {
-                let message = format!("\"{}\" cannot be at two moments at once", self.cast[who.as_usize()].name);
-                self.report.fault(place, message, "name each character once; a [[duration]] ties moments of one");
+                let message = format!(
+                    "\"{}\" cannot be at two moments at once",
+                    self.cast[who.as_usize()].name
+                );
+                self.report.fault(
+                    place,
+                    message,
+                    "name each character once; a [[duration]] ties moments of one",
+                );
             }
             seen.push(who);
         }
         all.into_iter().map(|(when, _)| when).collect()
-    }
-
-    fn when(&mut self, table: &Place, at: &Field<String>, during: &Field<Pair<String>>) -> Option<When> {
-        match (at, during) {
-            (Field::Absent, Field::Absent) => {
-                let help = "add at = \"CHARACTER:start\", or during with two moments";
-                self.report.fault(table, "neither \"at\" nor \"during\" says when", help);
-                None
-            }
-            (Field::Given(_), Field::Given(during)) => {
-                let help = "keep \"at\" for an instant, or \"during\" for an interval";
-                self.report.fault(&during.place, "\"at\" and \"during\" exclude each other", help);
-                None
-            }
-            (Field::Given(at), _) => self.moment(&at.value, &at.place).map(When::At),
-            (_, Field::Given(during)) => {
-                let (from, to) = self.interval(&during.value, &during.place)?;
-                Some(When::During(from, to))
-            }
-            _ => None,
-        }
-    }
-
-    fn interval(&mut self, pair: &Pair<String>, place: &Place) -> Option<(Moment, Moment)> {
-        let [from, to] = pair.each_ref().map(|at| self.moment(&at.value, &at.place));
-        self.of_one_character(from?, to?, place)
-    }
-
-    fn of_one_character(&mut self, from: Moment, to: Moment, place: &Place) -> Option<(Moment, Moment)> {
-        if from.character != to.character {
-            let message = format!("\"{}\" and \"{}\" are of two characters", from.name, to.name);
-            self.report.fault(place, message, "name two moments of one character");
-            return None;
-        }
-        self.checked.intervals.push((from.clone(), to.clone(), place.clone()));
-        Some((from, to))
-    }
-
-    fn moment(&mut self, text: &str, place: &Place) -> Option<Moment> {
-        match moment::resolve(text, self.cast) {
-            Ok(moment) => Some(moment),
-            Err(Unresolved::Spoiled) => None,
-            Err(Unresolved::Wrong { message, help }) => {
-                self.report.fault(place, message, help);
-                None
-            }
-        }
-    }
-
-    fn seconds(&mut self, seconds: &Field<f64>) -> Option<f64> {
-        let At { value, place } = seconds.given()?;
-        if value.abs() > LONGEST {
-            let message = format!("{value} seconds is too far away");
-            self.report.fault(place, message, format!("stay within {LONGEST} seconds"));
-        }
-        Some(*value)
-    }
-}
-
-fn holds_interval(kind: &ConstraintKind) -> bool {
-    match kind {
-        ConstraintKind::Pin { when, .. } | ConstraintKind::Relative { when, .. } => matches!(when, When::During(..)),
-        _ => false,
     }
 }

@@ -94,7 +94,10 @@ pub fn render(diagnostics: &[Diagnostic], text: &str, rendering: Rendering) -> S
     let source = NamedSource::new(file, text.to_owned());
     let mut shown = String::new();
     for diagnostic in diagnostics {
-        let underlined = Underlined { diagnostic, source: &source };
+        let underlined = Underlined {
+            diagnostic,
+            source: &source,
+        };
         if !fits(diagnostic, text) || handler.render_report(&mut shown, &underlined).is_err() {
             shown += &plain(diagnostic);
         }
@@ -103,7 +106,13 @@ pub fn render(diagnostics: &[Diagnostic], text: &str, rendering: Rendering) -> S
 }
 
 fn plain(diagnostic: &Diagnostic) -> String {
-    let Diagnostic { file, line, column, message, .. } = diagnostic;
+    let Diagnostic {
+        file,
+        line,
+        column,
+        message,
+        ..
+    } = diagnostic;
     let kind = match diagnostic.severity {
         Severity::Fault => "error",
         Severity::Warning => "warning",

@@ -1,6 +1,7 @@
 //! A choreography: who performs what, and what must hold. A sound [`Scene`] never panics later.
 
 pub mod check;
+pub mod checker;
 pub mod clips;
 pub mod constraints;
 pub mod diagnostic;

@@ -65,7 +65,12 @@ pub fn parse(text: &str) -> Result<MomentText<'_>, MomentSyntax> {
         Some(Ok(number)) if number >= 1 => Some(number),
         Some(_) => return Err(MomentSyntax::UseNumber),
     };
-    Ok(MomentText { character, clip, use_number, what })
+    Ok(MomentText {
+        character,
+        clip,
+        use_number,
+        what,
+    })
 }
 
 /// Characters that no name may hold.
@@ -85,7 +90,7 @@ pub struct Entry {
 /// Somebody whom moments may name.
 #[derive(Clone, Debug)]
 pub struct Member {
-    /// Who.
+    /// Who; empty where the name is at fault, which is already reported.
     pub name: String,
     /// Clips of the track, in order.
     pub track: Vec<Entry>,
@@ -120,17 +125,27 @@ pub fn resolve(text: &str, cast: &[Member]) -> Result<Moment, Unresolved> {
         .iter()
         .position(|member| member.name == parsed.character)
         .ok_or_else(|| {
+            if cast.iter().any(|member| member.name.is_empty()) {
+                return Unresolved::Spoiled;
+            }
             let names: Vec<_> = cast.iter().map(|member| member.name.as_str()).collect();
             let help = suggest::remedy(parsed.character, "characters", &names);
             wrong(format!("no character \"{}\"", parsed.character), help)
         })?;
     let instant = instant(&parsed, &cast[position])?;
     let character = CharacterId::from_usize(position);
-    Ok(Moment { character, instant, name: text.to_owned() })
+    Ok(Moment {
+        character,
+        instant,
+        name: text.to_owned(),
+    })
 }
 
 fn wrong(message: impl Into<String>, help: impl Into<String>) -> Unresolved {
-    Unresolved::Wrong { message: message.into(), help: help.into() }
+    Unresolved::Wrong {
+        message: message.into(),
+        help: help.into(),
+    }
 }
 
 fn instant(parsed: &MomentText<'_>, member: &Member) -> Result<Instant, Unresolved> {
@@ -160,12 +175,21 @@ fn entry_of(clip: &str, parsed: &MomentText<'_>, member: &Member) -> Result<usiz
         None if count == 1 => Ok(uses[0]),
         Some(number) if number <= count => Ok(uses[number - 1]),
         Some(number) => {
-            let message = format!("\"{}\" performs \"{clip}\" {count} times, not {number}", member.name);
-            Err(wrong(message, format!("write #1 to #{count}, or none where it is used once")))
+            let message = format!(
+                "\"{}\" performs \"{clip}\" {count} times, not {number}",
+                member.name
+            );
+            Err(wrong(
+                message,
+                format!("write #1 to #{count}, or none where it is used once"),
+            ))
         }
         None => {
             let message = format!("\"{}\" performs \"{clip}\" {count} times", member.name);
-            Err(wrong(message, format!("say which: {}", choices(parsed.what, &uses, member))))
+            Err(wrong(
+                message,
+                format!("say which: {}", choices(parsed.what, &uses, member)),
+            ))
         }
     }
 }
@@ -203,7 +227,10 @@ fn anywhere(what: &str, member: &Member) -> Result<Instant, Unresolved> {
         _ => {
             let entries: Vec<_> = found.iter().map(|(entry, _)| *entry).collect();
             let message = format!("\"{what}\" fits {} places of \"{}\"", entries.len(), member.name);
-            Err(wrong(message, format!("say which: {}", choices(what, &entries, member))))
+            Err(wrong(
+                message,
+                format!("say which: {}", choices(what, &entries, member)),
+            ))
         }
     }
 }
@@ -213,11 +240,19 @@ fn nowhere(what: &str, member: &Member) -> Unresolved {
         return frame_of(what, only).err().unwrap_or(Unresolved::Spoiled);
     }
     let mut known = vec!["start", "end"];
-    known.extend(member.track.iter().flat_map(|entry| entry.events.keys().map(String::as_str)));
+    known.extend(
+        member
+            .track
+            .iter()
+            .flat_map(|entry| entry.events.keys().map(String::as_str)),
+    );
     known.sort_unstable();
     known.dedup();
     let help = suggest::remedy(what, "moments of the track", &known);
-    let message = format!("no clip on the track of \"{}\" has the event or frame \"{what}\"", member.name);
+    let message = format!(
+        "no clip on the track of \"{}\" has the event or frame \"{what}\"",
+        member.name
+    );
     wrong(message, help)
 }
 
@@ -229,7 +264,11 @@ fn choices(what: &str, entries: &[usize], member: &Member) -> String {
             let clip = &member.track[*entry].name;
             let uses = uses_of(clip, member);
             let number = uses.iter().position(|used| used == entry).unwrap_or(0) + 1;
-            let number = if uses.len() > 1 { format!("#{number}") } else { String::new() };
+            let number = if uses.len() > 1 {
+                format!("#{number}")
+            } else {
+                String::new()
+            };
             format!("{}/{clip}{number}:{what}", member.name)
         })
         .collect();
@@ -255,7 +294,10 @@ fn frame_of(what: &str, entry: &Entry) -> Result<f64, Unresolved> {
     };
     if !(first..=last).contains(&frame) {
         let message = format!("{whose} is outside the frames of clip \"{name}\", {first} to {last}");
-        return Err(wrong(message, "name a frame inside, or widen \"frames\" of the clip"));
+        return Err(wrong(
+            message,
+            "name a frame inside, or widen \"frames\" of the clip",
+        ));
     }
     Ok(clip.working_frame(f64::from(frame)))
 }
@@ -266,4 +308,30 @@ fn no_event(what: &str, entry: &Entry) -> Unresolved {
     let help = suggest::remedy(what, "events", &known);
     let message = format!("clip \"{}\" has no event \"{what}\"", entry.name);
     wrong(message, format!("{help}; or a frame number of the file"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn moments_are_taken_apart_and_names_may_hold_spaces() {
+        let parsed = parse("ann lee/high five#2:left hand").expect("it is well formed");
+        assert_eq!((parsed.character, parsed.clip), ("ann lee", Some("high five")));
+        assert_eq!((parsed.use_number, parsed.what), (Some(2), "left hand"));
+        assert_eq!(parse("ann:start").map(|parsed| parsed.clip), Ok(None));
+    }
+
+    #[test]
+    fn what_is_no_moment_says_why() {
+        assert_eq!(parse("ann"), Err(MomentSyntax::NoColon));
+        assert_eq!(parse("ann:a:b"), Err(MomentSyntax::Separators));
+        assert_eq!(parse("ann#2:a"), Err(MomentSyntax::Separators));
+        assert_eq!(parse("ann/a/b:c"), Err(MomentSyntax::Separators));
+        assert_eq!(parse("ann/:c"), Err(MomentSyntax::EmptyName));
+        assert_eq!(parse(":c"), Err(MomentSyntax::EmptyName));
+        assert_eq!(parse("ann:"), Err(MomentSyntax::EmptyName));
+        assert_eq!(parse("ann/a#0:c"), Err(MomentSyntax::UseNumber));
+        assert_eq!(parse("ann/a#x:c"), Err(MomentSyntax::UseNumber));
+    }
 }

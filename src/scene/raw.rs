@@ -68,6 +68,9 @@ pub enum Clip {
     File(Box<FileClip>),
     /// A generated clip.
     Builtin(Box<BuiltinClip>),
+    /// Something else, already reported; the name of the clip stays known.
+    #[schemars(skip)]
+    Spoiled,
 }
 
 impl Read for Clip {
@@ -83,8 +86,12 @@ impl Read for Clip {
                 Some(Self::File(Box::new(clip)))
             }
             _ => {
-                wrong_type(node, "a file name in quotes, or a table with \"file\" or \"builtin\"", report);
-                None
+                wrong_type(
+                    node,
+                    "a file name in quotes, or a table with \"file\" or \"builtin\"",
+                    report,
+                );
+                Some(Self::Spoiled)
             }
         }
     }

@@ -116,7 +116,10 @@ mod tests {
 
     #[test]
     fn faults_come_in_the_order_of_the_file_whatever_the_order_of_finding() {
-        let place = |start: usize| Place { span: start..start + 1, field: String::new() };
+        let place = |start: usize| Place {
+            span: start..start + 1,
+            field: String::new(),
+        };
         let mut report = Report::default();
         report.fault(&place(4), "late", "b");
         report.warn(&place(2), "between", "c");

@@ -70,7 +70,10 @@ pub fn read(source: &Source) -> Result<Read, Unreadable> {
     match source {
         Source::File { path, options } => read_file(path, *options),
         Source::Builtin { name, parameters } => match builtin::generate(name, parameters) {
-            Ok(clip) => Ok(Read { clip: Arc::new(clip), notes: Vec::new() }),
+            Ok(clip) => Ok(Read {
+                clip: Arc::new(clip),
+                notes: Vec::new(),
+            }),
             Err(error) => Err(Unreadable {
                 message: error.to_string(),
                 help: "`cotillion clips` lists the generated clips and their parameters".to_owned(),
@@ -126,19 +129,29 @@ fn missing(path: &Path) -> Unreadable {
     let wanted = path
         .file_name()
         .map_or_else(String::new, |name| name.to_string_lossy().into_owned());
-    let mut names: Vec<String> = fs::read_dir(if folder.as_os_str().is_empty() { Path::new(".") } else { folder })
-        .map(|entries| {
-            let names = entries.flatten().map(|entry| entry.file_name());
-            names.map(|name| name.to_string_lossy().into_owned()).collect()
-        })
-        .unwrap_or_default();
+    let mut names: Vec<String> = fs::read_dir(if folder.as_os_str().is_empty() {
+        Path::new(".")
+    } else {
+        folder
+    })
+    .map(|entries| {
+        let names = entries.flatten().map(|entry| entry.file_name());
+        names.map(|name| name.to_string_lossy().into_owned()).collect()
+    })
+    .unwrap_or_default();
     names.sort_unstable();
     let help = match suggest::closest(&wanted, names.iter().map(String::as_str)) {
         Some(meant) => format!("did you mean \"{meant}\"? It is in the same folder"),
         None if folder.is_dir() || folder.as_os_str().is_empty() => {
             "put the file there, or correct the path: it starts at the folder of the scene file".to_owned()
         }
-        None => format!("there is no folder {} either: paths start at the folder of the scene file", folder.display()),
+        None => format!(
+            "there is no folder {} either: paths start at the folder of the scene file",
+            folder.display()
+        ),
     };
-    Unreadable { message: format!("no file {}", path.display()), help }
+    Unreadable {
+        message: format!("no file {}", path.display()),
+        help,
+    }
 }

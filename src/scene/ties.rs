@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use crate::constraint::{ConstraintKind, Moment, Partner, When};
-use crate::scene::constraints::{Checked, order};
+use crate::scene::checker::{Checked, order};
 use crate::scene::moment::Member;
 use crate::scene::report::Report;
 
@@ -11,7 +11,12 @@ use crate::scene::report::Report;
 pub fn warn_of_untied(checked: &Checked, cast: &[Member], report: &mut Report) {
     let ties = Ties::of(checked, cast);
     for (constraint, place) in checked.constraints.iter().zip(&checked.places) {
-        let ConstraintKind::Relative { when, partner: Partner::Character(other), .. } = &constraint.kind else {
+        let ConstraintKind::Relative {
+            when,
+            partner: Partner::Character(other),
+            ..
+        } = &constraint.kind
+        else {
             continue;
         };
         let untied = when
@@ -20,9 +25,15 @@ pub fn warn_of_untied(checked: &Checked, cast: &[Member], report: &mut Report) {
             .zip(other.moments())
             .find(|(mine, theirs)| !ties.tied(mine, theirs));
         if let Some((mine, theirs)) = untied {
-            let message = format!("nothing makes \"{}\" and \"{}\" happen together", mine.name, theirs.name);
+            let message = format!(
+                "nothing makes \"{}\" and \"{}\" happen together",
+                mine.name, theirs.name
+            );
             let help = match when {
-                When::At(_) => format!("add a [[sync]] with moments = [\"{}\", \"{}\"]", mine.name, theirs.name),
+                When::At(_) => format!(
+                    "add a [[sync]] with moments = [\"{}\", \"{}\"]",
+                    mine.name, theirs.name
+                ),
                 When::During(..) => "add a [[sync]] with the two intervals".to_owned(),
             };
             report.warn(place, message, help);
@@ -43,7 +54,11 @@ struct Ties<'a> {
 
 impl<'a> Ties<'a> {
     fn of(checked: &Checked, cast: &'a [Member]) -> Self {
-        let mut ties = Self { cast, positions: BTreeMap::new(), parents: vec![0] };
+        let mut ties = Self {
+            cast,
+            positions: BTreeMap::new(),
+            parents: vec![0],
+        };
         for constraint in &checked.constraints {
             match &constraint.kind {
                 ConstraintKind::Time { at, .. } => {

@@ -105,7 +105,12 @@ impl<'a, 'r> Keys<'a, 'r> {
             wrong_type(node, "a table of keys and values", report);
             return None;
         };
-        Some(Self { table, place: node.place.clone(), asked: Vec::new(), report })
+        Some(Self {
+            table,
+            place: node.place.clone(),
+            asked: Vec::new(),
+            report,
+        })
     }
 
     /// Value of a key that may be left out.
@@ -115,9 +120,15 @@ impl<'a, 'r> Keys<'a, 'r> {
             return Field::Absent;
         };
         let place = child(&self.place, key, value.span());
-        let node = Node { value: value.get_ref(), place };
+        let node = Node {
+            value: value.get_ref(),
+            place,
+        };
         match T::read(&node, self.report) {
-            Some(value) => Field::Given(At { value, place: node.place }),
+            Some(value) => Field::Given(At {
+                value,
+                place: node.place,
+            }),
             None => Field::Spoiled,
         }
     }
@@ -127,8 +138,7 @@ impl<'a, 'r> Keys<'a, 'r> {
         match self.optional(key) {
             Field::Absent => {
                 let message = format!("\"{key}\" is missing");
-                self.report
-                    .fault(&self.place, message, format!("add {key} = …"));
+                self.report.fault(&self.place, message, format!("add {key} = …"));
                 Field::Spoiled
             }
             field => field,
@@ -155,10 +165,19 @@ impl<'a, 'r> Keys<'a, 'r> {
             };
             let node = Node {
                 value: value.get_ref(),
-                place: Place { span: value.span(), ..place },
+                place: Place {
+                    span: value.span(),
+                    ..place
+                },
             };
             if let Some(value) = T::read(&node, self.report) {
-                values.insert(key, At { value, place: node.place });
+                values.insert(
+                    key,
+                    At {
+                        value,
+                        place: node.place,
+                    },
+                );
             }
         }
         values
@@ -180,11 +199,12 @@ impl<'a, 'r> Keys<'a, 'r> {
 
 /// Place of the key `key` of the table at `parent`.
 fn child(parent: &Place, key: &str, span: Range<usize>) -> Place {
-    let bare = !key.is_empty()
-        && key
-            .chars()
-            .all(|c| c.is_alphanumeric() || c == '_' || c == '-');
-    let key: Cow<'_, str> = if bare { key.into() } else { format!("{key:?}").into() };
+    let bare = !key.is_empty() && key.chars().all(|c| c.is_alphanumeric() || c == '_' || c == '-');
+    let key: Cow<'_, str> = if bare {
+        key.into()
+    } else {
+        format!("{key:?}").into()
+    };
     let field = if parent.field.is_empty() {
         key.into_owned()
     } else {
@@ -220,9 +240,15 @@ pub fn elements<T: Read>(node: &Node<'_>, expected: &str, report: &mut Report) -
             span: element.span(),
             field: format!("{}[{index}]", node.place.field),
         };
-        let element = Node { value: element.get_ref(), place };
+        let element = Node {
+            value: element.get_ref(),
+            place,
+        };
         match T::read(&element, report) {
-            Some(value) => values.push(At { value, place: element.place }),
+            Some(value) => values.push(At {
+                value,
+                place: element.place,
+            }),
             None => sound = false,
         }
     }

@@ -6,7 +6,7 @@ use std::collections::BTreeMap;
 use schemars::{JsonSchema, Schema, SchemaGenerator};
 use toml::de::DeValue;
 
-use crate::scene::report::{At, Report};
+use crate::scene::report::{At, Place, Report};
 use crate::scene::suggest;
 use crate::scene::tree::{Keys, Node, Read, elements, wrong_type};
 
@@ -121,8 +121,24 @@ impl<T: Read> Read for Tables<T> {
         let key = &node.place.field;
         if node.value.is_table() {
             let message = format!("[{key}] is one table, but there may be many");
-            report.fault(&node.place, message, format!("write [[{key}]] in double brackets"));
-            return None;
+            report.fault(
+                &node.place,
+                message,
+                format!("write [[{key}]] in double brackets"),
+            );
+            let place = Place {
+                field: format!("{key}[0]"),
+                ..node.place.clone()
+            };
+            let node = Node {
+                value: node.value,
+                place,
+            };
+            let value = T::read(&node, report)?;
+            return Some(Self(vec![At {
+                value,
+                place: node.place,
+            }]));
         }
         elements(node, &format!("tables headed [[{key}]]"), report).map(Self)
     }

@@ -1,0 +1,213 @@
+//! What all constraints share: names, strengths, moments and intervals.
+
+use std::collections::BTreeMap;
+
+use crate::constraint::{Constraint, ConstraintKind, Instant, Moment, Strength, When};
+use crate::scene::check::Objects;
+use crate::scene::clips::check_name;
+use crate::scene::moment::{self, Member, Unresolved};
+use crate::scene::report::{At, Lines, Place, Report};
+use crate::scene::tree::Field;
+use crate::scene::values::{self, Pair, WordOr};
+use crate::track::Track;
+
+/// Longest time, seconds, that a scene may speak of.
+const LONGEST: f64 = 1e6;
+
+/// Constraints that are sound, and where their parts stand.
+#[derive(Debug, Default)]
+pub struct Checked {
+    /// Pins, relatives, times, durations, syncs, each kind in the order of the file.
+    pub constraints: Vec<Constraint>,
+    /// Where each constraint stands.
+    pub places: Vec<Place>,
+    /// Every interval, beginning and end, of one character each.
+    pub intervals: Vec<(Moment, Moment, Place)>,
+}
+
+/// Checks constraints one by one, against a cast and its objects.
+pub struct Checker<'a> {
+    /// Who performs.
+    pub cast: &'a [Member],
+    /// What stands there.
+    pub objects: &'a Objects,
+    /// Of the file.
+    pub lines: &'a Lines<'a>,
+    /// What is wrong so far.
+    pub report: &'a mut Report,
+    /// Names of constraints so far, with the places they stand for.
+    pub names: BTreeMap<String, String>,
+    /// What is sound so far.
+    pub checked: Checked,
+}
+
+impl Checker<'_> {
+    /// Adds the constraint of `table`, the `index`-th of its kind, where `kind` is sound.
+    pub fn keep<T>(
+        &mut self,
+        (keyword, index): (&str, usize),
+        table: &At<T>,
+        (name, strength): (&Field<String>, &Field<values::Strength>),
+        kind: Option<ConstraintKind>,
+    ) {
+        let place = &table.place;
+        let own = format!("{keyword}[{index}]");
+        let strength = self.strength(strength);
+        if let Some(name) = name.given() {
+            check_name(name, "constraint", self.report);
+        }
+        let called = name.value().cloned().unwrap_or_else(|| own.clone());
+        if let Some(other) = self.names.insert(called.clone(), own) {
+            let message = format!("{other} is already called \"{called}\"");
+            let place = name.given().map_or(place, |name| &name.place);
+            self.report
+                .fault(place, message, "give each constraint a name of its own, or none");
+        }
+        let Some(kind) = kind else {
+            return;
+        };
+        if matches!(strength, Strength::Hard) && holds_interval(&kind) {
+            let message = "a hard constraint over an interval holds at every sample and is easily too much";
+            let help =
+                "leave \"strength\" out or give it a weight, unless nothing else bears on the interval";
+            self.report.warn(place, message, help);
+        }
+        let line = u32::try_from(self.lines.position(place.span.start).0).unwrap_or(u32::MAX);
+        self.checked.constraints.push(Constraint {
+            name: called,
+            line,
+            strength,
+            kind,
+        });
+        self.checked.places.push(place.clone());
+    }
+
+    fn strength(&mut self, strength: &Field<values::Strength>) -> Strength {
+        match strength.given() {
+            None => Strength::default(),
+            Some(At {
+                value: WordOr::Word(_),
+                ..
+            }) => Strength::Hard,
+            Some(At {
+                value: WordOr::Other(weight),
+                place,
+            }) => {
+                if *weight <= 0.0 {
+                    let message = format!("{weight} is no weight");
+                    let help =
+                        "write a number above 0 or \"hard\"; remove the constraint if it is not to hold";
+                    self.report.fault(place, message, help);
+                }
+                Strength::Soft(*weight)
+            }
+        }
+    }
+
+    /// When a constraint holds, by its `at` or `during`; `table`: of the constraint.
+    pub fn when(&mut self, table: &Place, at: &Field<String>, during: &Field<Pair<String>>) -> Option<When> {
+        match (at, during) {
+            (Field::Absent, Field::Absent) => {
+                let help = "add at = \"CHARACTER:start\", or during with two moments";
+                self.report
+                    .fault(table, "neither \"at\" nor \"during\" says when", help);
+                None
+            }
+            (Field::Given(_), Field::Given(during)) => {
+                let help = "keep \"at\" for an instant, or \"during\" for an interval";
+                self.report
+                    .fault(&during.place, "\"at\" and \"during\" exclude each other", help);
+                None
+            }
+            (Field::Given(at), _) => self.moment(&at.value, &at.place).map(When::At),
+            (_, Field::Given(during)) => {
+                let (from, to) = self.interval(&during.value, &during.place)?;
+                Some(When::During(from, to))
+            }
+            _ => None,
+        }
+    }
+
+    /// The two moments that bound an interval.
+    pub fn interval(&mut self, pair: &Pair<String>, place: &Place) -> Option<(Moment, Moment)> {
+        let [from, to] = pair.each_ref().map(|at| self.moment(&at.value, &at.place));
+        self.of_one_character(from?, to?, place)
+    }
+
+    /// The interval between two moments, where both are of one character.
+    pub fn of_one_character(&mut self, from: Moment, to: Moment, place: &Place) -> Option<(Moment, Moment)> {
+        if from.character != to.character {
+            let message = format!("\"{}\" and \"{}\" are of two characters", from.name, to.name);
+            self.report
+                .fault(place, message, "name two moments of one character");
+            return None;
+        }
+        self.checked
+            .intervals
+            .push((from.clone(), to.clone(), place.clone()));
+        Some((from, to))
+    }
+
+    /// The moment that `text` names.
+    pub fn moment(&mut self, text: &str, place: &Place) -> Option<Moment> {
+        match moment::resolve(text, self.cast) {
+            Ok(moment) => Some(moment),
+            Err(Unresolved::Spoiled) => None,
+            Err(Unresolved::Wrong { message, help }) => {
+                self.report.fault(place, message, help);
+                None
+            }
+        }
+    }
+
+    /// A time within reason.
+    pub fn seconds(&mut self, seconds: &Field<f64>) -> Option<f64> {
+        let At { value, place } = seconds.given()?;
+        if value.abs() > LONGEST {
+            let message = format!("{value} seconds is too far away");
+            self.report
+                .fault(place, message, format!("stay within {LONGEST} seconds"));
+        }
+        Some(*value)
+    }
+}
+
+fn holds_interval(kind: &ConstraintKind) -> bool {
+    match kind {
+        ConstraintKind::Pin { when, .. } | ConstraintKind::Relative { when, .. } => {
+            matches!(when, When::During(..))
+        }
+        _ => false,
+    }
+}
+
+/// Reports intervals that do not run forwards. `tracks`: of the cast, as far as they could be strung.
+pub fn check_intervals(checked: &Checked, cast: &[Member], tracks: &[Option<Track>], report: &mut Report) {
+    for (from, to, place) in &checked.intervals {
+        let who = from.character.as_usize();
+        let located = tracks.get(who).and_then(Option::as_ref).and_then(|track| {
+            let (from, to) = (track.locate(from.instant)?, track.locate(to.instant)?);
+            Some(from < to)
+        });
+        let forwards = order(from.instant, &cast[who]) < order(to.instant, &cast[who]);
+        if !forwards || located == Some(false) {
+            let message = format!("\"{}\" does not come before \"{}\"", from.name, to.name);
+            report.fault(
+                place,
+                message,
+                "write the earlier moment first, the later one second",
+            );
+        }
+    }
+}
+
+/// Place of an instant in the order of the unedited track: clip, then working frame.
+pub fn order(instant: Instant, member: &Member) -> (usize, f64) {
+    match instant {
+        Instant::TrackStart => (0, f64::NEG_INFINITY),
+        Instant::TrackEnd => (member.track.len().saturating_sub(1), f64::INFINITY),
+        Instant::ClipStart(entry) => (entry, f64::NEG_INFINITY),
+        Instant::ClipEnd(entry) => (entry, f64::INFINITY),
+        Instant::Frame { entry, working } => (entry, working),
+    }
+}
