@@ -1,6 +1,9 @@
 //! Files out of results.
 
 pub mod bvh;
+pub mod files;
 pub mod gltf;
 mod palette;
 pub mod picture;
+pub mod report;
+pub mod scene;

@@ -1,0 +1,146 @@
+//! Commands of the program. Exit codes: 0 done, 1 hard constraints cannot be satisfied, 2 wrong usage or bad input.
+
+mod check;
+mod inspect;
+mod output;
+mod run;
+
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+use clap::{Args, Parser, Subcommand};
+
+use output::Output;
+
+/// Edits the motion of many synchronized characters: paths bend, times stretch, and every constraint holds.
+#[derive(Debug, Parser)]
+#[command(name = "cotillion", version, about, max_term_width = 100)]
+struct Cli {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Debug, Subcommand)]
+enum Command {
+    /// Edit a scene and write its motion, a picture and a report.
+    Run(RunArgs),
+    /// Read and validate scenes; solve nothing.
+    Check(CheckArgs),
+    /// Show the facts of clips: skeleton, rate, units, path, contacts, flights, stationary stretches.
+    Inspect(InspectArgs),
+    /// List the generated clips, or write one as BVH.
+    Clips(ClipsArgs),
+    /// Print the JSON Schema of scene files.
+    Schema(SchemaArgs),
+}
+
+/// How results and errors are told.
+#[derive(Clone, Copy, Debug, Args)]
+struct Manner {
+    /// Print machine-readable results on standard output and errors, as a JSON array, on standard error.
+    #[arg(long)]
+    json: bool,
+    /// Print nothing but errors.
+    #[arg(long, short)]
+    quiet: bool,
+}
+
+#[derive(Debug, Args)]
+struct RunArgs {
+    /// Scene file.
+    scene: PathBuf,
+    /// Folder for the result; made if need be.
+    #[arg(long, short, value_name = "DIR")]
+    output: PathBuf,
+    /// Also write the picture as PNG.
+    #[arg(long)]
+    png: bool,
+    /// Width of the PNG, pixels.
+    #[arg(long, value_name = "PIXELS", default_value_t = 1600, value_parser = clap::value_parser!(u32).range(100..=10_000))]
+    png_width: u32,
+    #[command(flatten)]
+    manner: Manner,
+}
+
+#[derive(Debug, Args)]
+struct CheckArgs {
+    /// Scene files.
+    #[arg(required = true, value_name = "SCENE")]
+    scenes: Vec<PathBuf>,
+    #[command(flatten)]
+    manner: Manner,
+}
+
+#[derive(Debug, Args)]
+struct InspectArgs {
+    /// Clip files (BVH), or `builtin:NAME`.
+    #[arg(required = true, value_name = "CLIP")]
+    clips: Vec<PathBuf>,
+    /// Frames per second, where the file is silent or wrong.
+    #[arg(long)]
+    fps: Option<f64>,
+    /// Unit of length: m, cm, inch, or metres per file unit.
+    #[arg(long)]
+    unit: Option<String>,
+    /// Axis that points up: y or z.
+    #[arg(long)]
+    up: Option<String>,
+    #[command(flatten)]
+    manner: Manner,
+}
+
+#[derive(Debug, Args)]
+struct ClipsArgs {
+    /// Clip to write; left out, all are listed.
+    name: Option<String>,
+    /// BVH file to write.
+    #[arg(long, short, value_name = "FILE", requires = "name")]
+    output: Option<PathBuf>,
+    /// Parameter of the clip, as NAME=VALUE; may be repeated.
+    #[arg(long, short, value_name = "NAME=VALUE", requires = "name")]
+    parameter: Vec<String>,
+    #[command(flatten)]
+    manner: Manner,
+}
+
+#[derive(Debug, Args)]
+struct SchemaArgs {
+    /// File to write; left out, the schema is printed.
+    #[arg(long, short, value_name = "FILE")]
+    output: Option<PathBuf>,
+}
+
+/// Why a command ended without its result; everything is said already.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Failure {
+    /// The scene is sound but its hard constraints cannot be satisfied.
+    Unsatisfiable,
+    /// Wrong usage or bad input.
+    BadInput,
+}
+
+/// Parses the arguments and runs the command.
+pub(crate) fn main() -> ExitCode {
+    let done = match Cli::parse().command {
+        Command::Run(args) => run::run(&args),
+        Command::Check(args) => check::check(&args),
+        Command::Inspect(args) => inspect::inspect(&args),
+        Command::Clips(args) => inspect::clips(&args),
+        Command::Schema(args) => schema(&args),
+    };
+    match done {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(Failure::Unsatisfiable) => ExitCode::from(1),
+        Err(Failure::BadInput) => ExitCode::from(2),
+    }
+}
+
+fn schema(args: &SchemaArgs) -> Result<(), Failure> {
+    let output = Output::new(Manner { json: false, quiet: false });
+    let text = format!("{:#}\n", cotillion::scene::schema());
+    match &args.output {
+        None => output.print(&text),
+        Some(path) => output.write_file(path, text.as_bytes())?,
+    }
+    Ok(())
+}

@@ -1,0 +1,154 @@
+//! `cotillion run`: a scene in, its motion out.
+
+use std::path::Path;
+use std::time::Instant;
+
+use cotillion::edit::{Edit, EditError, Editor};
+use cotillion::export::files::{OutputFile, write_all};
+use cotillion::export::picture::to_png;
+use cotillion::export::report::{Report, Timing, report};
+use cotillion::export::scene::scene_files;
+use cotillion::resample::resample;
+use cotillion::scene::{ClipFolders, Loaded, Scene, load};
+
+use super::output::{Output, PlainError};
+use super::{Failure, RunArgs};
+
+pub(crate) fn run(args: &RunArgs) -> Result<(), Failure> {
+    let output = Output::new(args.manner);
+    let bar = output.progress(5);
+    let mut timing = Timing::default();
+    bar.set_message("reading");
+    let Loaded { scene, warnings, text } = timed(&mut timing.load, || load(&args.scene, &ClipFolders::from_environment()))
+        .map_err(|faults| {
+            bar.finish_and_clear();
+            output.faults(&[faults]);
+            Failure::BadInput
+        })?;
+    bar.suspend(|| output.warnings(&warnings, &text));
+    bar.inc(1);
+    let solved = solve(scene, &mut timing, &bar).map_err(|error| {
+        bar.finish_and_clear();
+        output.errors(&[unsatisfiable(&args.scene, &error)]);
+        Failure::Unsatisfiable
+    })?;
+    let mut files = Vec::new();
+    let mut told = timed(&mut timing.export, || {
+        bar.set_message("sampling");
+        let (scene, edit) = (solved.scene(), solved.edit());
+        let resampled = resample(scene, edit);
+        bar.inc(1);
+        bar.set_message("writing");
+        files = scene_files(scene, edit, &resampled);
+        report(scene, edit, &resampled)
+    });
+    if args.png {
+        files.push(png(&files, args.png_width, &output)?);
+    }
+    timing.export += write(args, &mut told, files, timing).map_err(|error| {
+        bar.finish_and_clear();
+        output.unwritable(&error.path, &error.source)
+    })?;
+    bar.finish_and_clear();
+    told.timing_ms = timing;
+    output.say(&summary(&told, &args.output));
+    output.print_json(&told);
+    Ok(())
+}
+
+/// Writes all files, `report.json` the last of them; milliseconds it took.
+fn write(
+    args: &RunArgs,
+    told: &mut Report,
+    mut files: Vec<OutputFile>,
+    timing: Timing,
+) -> Result<f64, cotillion::export::files::WriteError> {
+    told.files = files.iter().map(|file| file.name.clone()).collect();
+    told.timing_ms = timing;
+    let text = format!("{}\n", serde_json::to_string_pretty(told).unwrap_or_default());
+    files.push(OutputFile { name: "report.json".to_owned(), bytes: text.into_bytes() });
+    let mut milliseconds = 0.0;
+    timed(&mut milliseconds, || write_all(&args.output, &files))?;
+    Ok(milliseconds)
+}
+
+fn solve(scene: Scene, timing: &mut Timing, bar: &indicatif::ProgressBar) -> Result<Editor, EditError> {
+    bar.set_message("assembling");
+    let mut editor = timed(&mut timing.assemble, || Editor::assemble(scene));
+    timed(&mut timing.factor, || editor.factor())?;
+    bar.inc(1);
+    bar.set_message("solving");
+    timed(&mut timing.solve, || editor.solve().map(|_: &Edit| ()))?;
+    bar.inc(1);
+    Ok(editor)
+}
+
+/// Calls `work` and adds the milliseconds it took.
+fn timed<T>(milliseconds: &mut f64, work: impl FnOnce() -> T) -> T {
+    let start = Instant::now();
+    let result = work();
+    *milliseconds += start.elapsed().as_secs_f64() * 1e3;
+    result
+}
+
+fn png(files: &[OutputFile], width: u32, output: &Output) -> Result<OutputFile, Failure> {
+    let svg = files.iter().find(|file| file.name == "scene.svg").map_or(&[][..], |file| &file.bytes);
+    match to_png(&String::from_utf8_lossy(svg), width) {
+        Ok(bytes) => Ok(OutputFile { name: "scene.png".to_owned(), bytes }),
+        Err(error) => {
+            let help = Some("run without --png: the SVG holds the same picture".to_owned());
+            let (file, message) = ("scene.png".to_owned(), error.to_string());
+            output.errors(&[PlainError { file, line: 0, column: 0, message, help }]);
+            Err(Failure::BadInput)
+        }
+    }
+}
+
+/// What to tell of a scene without an answer: the first line it concerns, and the remedy.
+fn unsatisfiable(scene: &Path, error: &EditError) -> PlainError {
+    let (line, help) = match error {
+        EditError::Conflict { constraints, .. } | EditError::TimeConflict { constraints, .. } => {
+            (constraints.last().map(|named| named.line), "change or remove one of them, or give one a weight as its strength")
+        }
+        EditError::InfeasibleTimes { constraints, .. } => (
+            constraints.last().map(|named| named.line),
+            "change one of these times by what is missing, or widen min_step and max_step in [warp]",
+        ),
+        EditError::BackwardTime { .. } => (None, "add min_step = 0.5 to the table [warp]"),
+        _ => (None, "make hard constraints that lie close together soft"),
+    };
+    let cause = std::error::Error::source(error).map_or(String::new(), |source| format!(": {source}"));
+    let line = line.unwrap_or(0) as usize;
+    PlainError {
+        file: scene.display().to_string(),
+        line,
+        column: usize::from(line > 0),
+        message: format!("{error}{cause}"),
+        help: Some(help.to_owned()),
+    }
+}
+
+/// A few lines for people.
+fn summary(report: &Report, folder: &Path) -> String {
+    let mut text = String::new();
+    for character in &report.characters {
+        text += &format!(
+            "{:<12} path {:6.2} m → {:6.2} m   {:6.2} s in {} frames   time steps ×{:.2}–{:.2}\n",
+            character.name,
+            character.path_length.rest,
+            character.path_length.edited,
+            character.seconds,
+            character.frames_out,
+            character.time_step.min,
+            character.time_step.max,
+        );
+    }
+    let missed = report.constraints.iter().filter(|constraint| constraint.strength != "hard" && constraint.residual > 0.01);
+    for constraint in missed {
+        text += &format!("{} is off by {:.3} {}\n", constraint.name, constraint.residual, constraint.unit);
+    }
+    for note in &report.notes {
+        text += &format!("note: {note}\n");
+    }
+    text + &format!("{} files in {}\n", report.files.len() + 1, folder.display())
+}
