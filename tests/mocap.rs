@@ -16,7 +16,7 @@ use cotillion::clip::working::WorkingClip;
 use cotillion::export::bvh::to_bvh;
 use cotillion::geometry::log;
 use cotillion::index::SourceFrame;
-use cotillion::metrics::{root_path, standing_height};
+use cotillion::metrics::{foot_slide_working, root_path, standing_height};
 use libtest_mimic::{Arguments, Failed, Trial};
 
 /// The manifest's files, known by name so that they can be reported as ignored where they are missing.
@@ -76,6 +76,9 @@ const STATIONARY: [(&str, Stretches, Stretches); 6] = [
     ("cmu_12_01_walk", &[], &[]),
     ("cmu_37_01_walk", &[], &[]),
 ];
+
+/// Mean speed of the feet in contact before any clean-up, m/s, measured apart from this program.
+const FOOT_SLIDES: [(&str, f64); 2] = [("cmu_131_01_start_walk_stop", 0.115), ("snu_u_turn", 0.053)];
 
 /// Ten decimals of a metre and of a degree, through a chain of up to ten joints; asked for are 1e-5.
 const ROUND_TRIP_METRES: f64 = 1e-8;
@@ -311,6 +314,21 @@ fn stationary_agrees(folder: &Path, file: &str) -> Result<(), Failed> {
         return Ok(());
     }
     Err(format!("by speed {slow:?}, with feet {all:?}, expected {expected:?}").into())
+}
+
+fn slide_agrees(folder: &Path, file: &str) -> Result<(), Failed> {
+    let found = foot_slide_working(&whole(folder, file)?).ok_or("no contact")?;
+    let expected = FOOT_SLIDES
+        .iter()
+        .find(|(name, _)| *name == file)
+        .ok_or("no expectation")?
+        .1;
+    // Three decimals are stated.
+    if (found - expected).abs() < 0.0006 {
+        Ok(())
+    } else {
+        Err(format!("{found}, expected {expected}").into())
+    }
 }
 
 /// The manifest has nine frames airborne from frame 50 (joints 8 cm up); feet leave the floor a little earlier.
