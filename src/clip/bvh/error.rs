@@ -99,8 +99,10 @@ pub enum BvhError {
     /// The motion has no frames.
     #[error("{at}: the file has no frames; a clip needs one at least")]
     NoFrames { at: Position },
-    /// A frame time of zero or less.
-    #[error("{at}: frame time {found} s; it must lie above 0, as in 0.0083333 for 120 frames a second")]
+    /// A frame time of zero or less, or out of all reason.
+    #[error(
+        "{at}: frame time {found} s; it must lie above 0 and be 10 at most, as in 0.0083333 for 120 frames a second"
+    )]
     FrameTime { at: Position, found: f64 },
     /// A row with another number of values than there are channels.
     #[error("{at}: row {row} of the motion has {found} values, expected {expected}, one for each channel")]

@@ -1,6 +1,6 @@
 //! Reads BVH files of any flavour into clips: metres, y up, quaternions.
 //!
-//! Limits: 65 536 joints, 2³² − 1 frames, one body a file. Memory follows what a file holds, never what it announces, and
+//! Limits: 65 536 joints, 2³² − 1 frames, a frame time of 1 µs to 10 s, one body a file. Memory follows what a file holds, never what it announces, and
 //! nesting costs no stack. Reading takes keywords and channels in any case, any channel order and any rotation order.
 //!
 //! Conventions that files leave open:

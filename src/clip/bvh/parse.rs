@@ -7,6 +7,10 @@ use crate::skeleton::Axis;
 /// Most joints a file may have.
 pub(super) const JOINT_LIMIT: usize = 65_536;
 
+/// Frame times outside these are none, seconds; ten seconds a frame already make 300 working frames each.
+const SHORTEST_FRAME: f64 = 1e-6;
+const LONGEST_FRAME: f64 = 10.0;
+
 /// One column of the motion.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Channel {
@@ -65,7 +69,7 @@ pub(super) fn parse(bytes: &[u8]) -> Result<RawBvh, BvhError> {
         "the frame time",
     )?;
     let frame_time = cursor.number(time_word)?;
-    if frame_time <= 0.0 || !(1.0 / frame_time).is_finite() {
+    if !(SHORTEST_FRAME..=LONGEST_FRAME).contains(&frame_time) {
         return Err(BvhError::FrameTime {
             at: cursor.position(time_word.start),
             found: frame_time,
