@@ -91,7 +91,7 @@ fn facts(path: &Path, options: &ReadOptions) -> Result<ClipFacts, PlainError> {
             file: file.clone(),
             line: position.line,
             column: position.column,
-            message: error.to_string(),
+            message: error.without_position(),
             help: Some("mend the file, or name another one".to_owned()),
         }
     })?;

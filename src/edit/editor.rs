@@ -175,6 +175,11 @@ impl Editor {
         &self.scene
     }
 
+    /// The result of the last solve that succeeded; before the first, the motion at rest.
+    pub fn edit(&self) -> &Edit {
+        &self.edit
+    }
+
     /// Moves the target of a constraint. The next [`Editor::solve`] follows; the systems stay factored, but for a moved
     /// offset between characters, which is a coefficient of its row.
     ///

@@ -127,3 +127,37 @@ pub enum BvhError {
     )]
     RowsLeft { at: Position, announced: usize },
 }
+
+impl BvhError {
+    /// Where the fault is.
+    pub fn position(&self) -> Position {
+        match self {
+            Self::NotBvh { at, .. }
+            | Self::Unexpected { at, .. }
+            | Self::EndOfFile { at, .. }
+            | Self::MissingBrace { at, .. }
+            | Self::SecondRoot { at, .. }
+            | Self::NoName { at, .. }
+            | Self::Repeated { at, .. }
+            | Self::NoOffset { at, .. }
+            | Self::TooManyJoints { at, .. }
+            | Self::UnknownChannel { at, .. }
+            | Self::ChannelCount { at, .. }
+            | Self::RepeatedChannel { at, .. }
+            | Self::NotANumber { at, .. }
+            | Self::NotFinite { at, .. }
+            | Self::NotACount { at, .. }
+            | Self::NoFrames { at, .. }
+            | Self::FrameTime { at, .. }
+            | Self::RowLength { at, .. }
+            | Self::RowsMissing { at, .. }
+            | Self::RowsLeft { at, .. } => *at,
+        }
+    }
+
+    /// The message without the place it starts with, for those who show the place in their own way.
+    pub fn without_position(&self) -> String {
+        let message = self.to_string();
+        message.strip_prefix(&format!("{}: ", self.position())).unwrap_or(&message).to_owned()
+    }
+}
