@@ -32,7 +32,7 @@ pub struct BoundedSolution {
     pub x: Vec<f64>,
     /// Rows of `C` that hold with equality, in the order they were added.
     pub active: Vec<usize>,
-    /// Their multipliers `u`: `G x − g = Aᵀν + Cᵀu`. Not negative, except after [`BoundMethod::PaperIteration`].
+    /// Their multipliers `u`: `G x − g = Aᵀν + Cᵀu`. Not negative, except after [`PaperIteration`](crate::BoundMethod).
     pub multipliers: Vec<f64>,
     /// Dense systems solved after the first.
     pub iterations: usize,
