@@ -1,4 +1,4 @@
-//! What a solve of equality-constrained least squares reports: its residuals, or why there is no answer.
+//! What solves report: residuals, or why there is no answer.
 
 /// What a solution is worth.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -75,5 +75,56 @@ pub enum KktError {
         relative: f64,
         /// Largest one that passes.
         allowed: f64,
+    },
+}
+
+/// Why there is no minimiser.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum BoundsError {
+    /// A block does not fit the others.
+    #[error("{block} is {actual_rows} x {actual_columns}, expected {rows} x {columns}")]
+    ShapeMismatch {
+        /// Letter of the block.
+        block: &'static str,
+        /// Rows it should have.
+        rows: usize,
+        /// Columns it should have.
+        columns: usize,
+        /// Rows it has.
+        actual_rows: usize,
+        /// Columns it has.
+        actual_columns: usize,
+    },
+    /// A number is infinite or undefined.
+    #[error("row {row} of {block} is not finite")]
+    NotFinite {
+        /// Letter of the block.
+        block: &'static str,
+        /// Its row.
+        row: usize,
+    },
+    /// `G` leaves some direction free that `A` does not hold, or rows of `A` depend on each other.
+    #[error("the system is singular: some unknown is free, or equality rows depend on each other")]
+    Singular,
+    /// Rows contradict each other.
+    #[error(
+        "inequality {row} misses its bound by {violation} where inequalities {certificate:?} and equalities {equalities:?} hold"
+    )]
+    Infeasible {
+        /// Row of `C` that cannot be met.
+        row: usize,
+        /// Other rows of `C` in its way.
+        certificate: Vec<usize>,
+        /// Rows of `A` in its way.
+        equalities: Vec<usize>,
+        /// What it misses while the others hold.
+        violation: f64,
+    },
+    /// Rounding made the method go on without end.
+    #[error("no minimiser after {limit} steps")]
+    TooManyIterations {
+        /// Steps allowed.
+        limit: usize,
     },
 }

@@ -25,30 +25,22 @@
 //! overdetermined systems of linear equations*, J. Inst. Maths Applics 17 (1976); Björck, *Numerical Methods for Least
 //! Squares Problems* (1996), §2.7.
 
+use crate::augmented::{
+    ALPHA, KktForm, Layout, RowPattern, check_length, check_pattern, check_shape, check_target, check_values,
+    row_residuals, row_scales, visit_entries,
+};
 use crate::error::{KktError, Solution, SolveReport};
 use crate::least_squares::LeastSquares;
 use crate::lu::LuOrder;
 use crate::refine::{RefineScratch, RefinedLu, Refinement, largest, relative_to};
 use crate::scalar::Scalar;
 use crate::sparse::Assembly;
-use crate::stretch::{Stretched, power_of_two_below, stretch};
+use crate::stretch::stretch;
 use sprs::CsMat;
 use std::sync::Arc;
 
-/// `α`: small against the squared singular values of a scaled `M` that matter, large against rounding.
-const ALPHA: f64 = 1.0 / 1024.0;
 /// Solutions whose equations are off by more, relative to the targets, are refused.
 const ALLOWED_RESIDUAL: f64 = 1e-9;
-
-/// Which system of linear equations stands for the problem.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum KktForm {
-    /// Residual as unknown; accurate.
-    #[default]
-    Hachtel,
-    /// `MᴴM` formed; smaller, with the squared condition number.
-    NormalEquations,
-}
 
 /// What depends only on where the matrices have entries. Cheap to clone, to be shared by factorisations.
 #[derive(Clone, Debug)]
@@ -64,18 +56,6 @@ struct Plan {
     hard_rows: Vec<usize>,
     assembly: Assembly,
     order: LuOrder,
-}
-
-/// Row starts and column indices of a matrix compressed by rows.
-#[derive(Clone, Debug, PartialEq)]
-struct RowPattern(Vec<usize>, Vec<usize>);
-
-/// Where the blocks begin in the augmented system of the stretched problem.
-#[derive(Clone, Copy, Debug, PartialEq)]
-struct Layout {
-    unknowns: usize,
-    multipliers: usize,
-    size: usize,
 }
 
 /// A factored problem, for many targets.
@@ -343,140 +323,5 @@ impl<T> Workspace<T> {
     /// `λ` of the last solve, one per hard row: `Mᴴ(m − M x) = Hᴴλ`.
     pub fn multipliers(&self) -> &[T] {
         &self.multipliers
-    }
-}
-
-impl Layout {
-    fn new<T: Scalar>(stretched: &Stretched<T>, form: KktForm) -> Self {
-        let unknowns = match form {
-            KktForm::Hachtel => stretched.soft.rows(),
-            KktForm::NormalEquations => 0,
-        };
-        let multipliers = unknowns + stretched.soft.columns();
-        Self {
-            unknowns,
-            multipliers,
-            size: multipliers + stretched.hard.rows(),
-        }
-    }
-}
-
-impl RowPattern {
-    fn of<T>(matrix: &CsMat<T>) -> Self {
-        Self(matrix.indptr().to_proper().to_vec(), matrix.indices().to_vec())
-    }
-
-    fn fits<T>(&self, matrix: &CsMat<T>) -> bool {
-        *self.0 == *matrix.indptr().to_proper() && self.1 == matrix.indices()
-    }
-}
-
-/// Calls `visit` with place and value of every entry of the scaled system, always in the same order.
-fn visit_entries<T: Scalar>(
-    form: KktForm,
-    Layout {
-        unknowns,
-        multipliers,
-        ..
-    }: Layout,
-    (soft, soft_scales): (&CsMat<T>, &[f64]),
-    (hard, hard_scales): (&CsMat<T>, &[f64]),
-    mut visit: impl FnMut((usize, usize), T),
-) {
-    for (i, (row, &d)) in soft.outer_iterator().zip(soft_scales).enumerate() {
-        match form {
-            KktForm::Hachtel => {
-                visit((i, i), T::from_real(ALPHA * d * d));
-                for (j, &a) in row.iter() {
-                    visit((i, unknowns + j), a.scale(d));
-                    visit((unknowns + j, i), a.scale(d).conjugate());
-                }
-            }
-            KktForm::NormalEquations => {
-                for (j, &a) in row.iter() {
-                    row.iter().for_each(|(k, &b)| visit((j, k), a.conjugate() * b));
-                }
-            }
-        }
-    }
-    for (i, (row, &e)) in hard.outer_iterator().zip(hard_scales).enumerate() {
-        for (j, &a) in row.iter() {
-            visit((multipliers + i, unknowns + j), a.scale(e));
-            visit((unknowns + j, multipliers + i), a.scale(e).conjugate());
-        }
-    }
-}
-
-/// Powers of two that bring the rows to norms between 1 and 2.
-fn row_scales<T: Scalar>(matrix: &CsMat<T>) -> Vec<f64> {
-    let norm = |row: sprs::CsVecView<'_, T>| row.iter().map(|(_, a)| a.modulus_squared()).sum::<f64>().sqrt();
-    matrix
-        .outer_iterator()
-        .map(|row| 1.0 / power_of_two_below(norm(row)))
-        .collect()
-}
-
-/// `b − A x`, row by row.
-fn row_residuals<T: Scalar>(a: &CsMat<T>, x: &[T], b: &[T]) -> impl Iterator<Item = T> {
-    a.outer_iterator()
-        .zip(b)
-        .map(|(row, &b_i)| row.iter().fold(b_i, |rest, (j, &a_ij)| rest - a_ij * x[j]))
-}
-
-fn check_shape<T: Scalar>(problem: &LeastSquares<T>) -> Result<(), KktError> {
-    for (block, matrix) in [("M", &problem.soft), ("H", &problem.hard)] {
-        if !matrix.is_csr() {
-            return Err(KktError::NotByRows { block });
-        }
-        let (expected, actual) = (problem.columns, matrix.cols());
-        if actual != expected {
-            return Err(KktError::ShapeMismatch {
-                block,
-                side: "columns",
-                expected,
-                actual,
-            });
-        }
-    }
-    Ok(())
-}
-
-fn check_pattern<T>(block: &'static str, pattern: &RowPattern, matrix: &CsMat<T>) -> Result<(), KktError> {
-    if pattern.fits(matrix) {
-        Ok(())
-    } else {
-        Err(KktError::PatternChanged { block })
-    }
-}
-
-fn check_values<T: Scalar>(block: &'static str, matrix: &CsMat<T>) -> Result<(), KktError> {
-    match matrix
-        .outer_iterator()
-        .position(|row| row.iter().any(|(_, a)| !a.all_finite()))
-    {
-        Some(row) => Err(KktError::NotFinite { block, row }),
-        None => Ok(()),
-    }
-}
-
-fn check_target<T: Scalar>(block: &'static str, expected: usize, target: &[T]) -> Result<(), KktError> {
-    check_length(block, expected, target.len())?;
-    match target.iter().position(|b| !b.all_finite()) {
-        Some(row) => Err(KktError::NotFinite { block, row }),
-        None => Ok(()),
-    }
-}
-
-fn check_length(block: &'static str, expected: usize, actual: usize) -> Result<(), KktError> {
-    let side = "rows";
-    if actual == expected {
-        Ok(())
-    } else {
-        Err(KktError::ShapeMismatch {
-            block,
-            side,
-            expected,
-            actual,
-        })
     }
 }

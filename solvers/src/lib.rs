@@ -31,23 +31,28 @@
 //! # Ok::<(), cotillion_solvers::KktError>(())
 //! ```
 
-pub use bounds::{BoundMethod, BoundedQp, BoundedSolution, BoundsError, solve_bounded};
+pub use augmented::KktForm;
+pub use bounds::{BoundMethod, solve_bounded};
 pub use difference::{Difference, DifferenceError, NodeBounds, node_bounds};
-pub use error::{KktError, Solution, SolveReport};
-pub use kkt::{Analysis, Factor, KktForm, Workspace, analyse, solve};
+pub use error::{BoundsError, KktError, Solution, SolveReport};
+pub use kkt::{Analysis, Factor, Workspace, analyse, solve};
 pub use least_squares::LeastSquares;
 pub use nalgebra::{DMatrix, DVector};
+pub use quadratic::{BoundedQp, BoundedSolution};
 pub use rank::{Dependency, RankReport, analyse_rank, null_space};
 pub use scalar::{Scalar, TwoPart};
 pub use sparse::{RowMatrix, multiply};
 pub use sprs::CsMat;
 
+mod augmented;
 mod bounds;
+mod clamp;
 mod difference;
 mod error;
 mod kkt;
 mod least_squares;
 mod lu;
+mod quadratic;
 mod rank;
 mod refine;
 mod scalar;

@@ -10,6 +10,9 @@
 //!     c s_{L−1} + Σ_{j in B_L} a_j x_j             = b
 //! ```
 //!
+//! `c` is about `Σ |a_j|`, so that no `s_k` is much larger than the unknowns: with `c` like one coefficient, sums over
+//! 200 000 unknowns cost so many digits that the system passes for singular.
+//!
 //! All but the last are hard rows, the last is hard or soft as the row was. Minimisers and energy are unchanged, and
 //! the multiplier of a hard row is that of its last piece.
 //!
@@ -76,8 +79,7 @@ fn cut_row<T: Scalar>(terms: &mut Vec<(usize, T)>, hard: &mut RowMatrix<T>, next
     if cuts == 0 {
         return;
     }
-    let largest = terms.iter().map(|(_, a)| a.modulus()).fold(0.0, f64::max);
-    let c = T::from_real(power_of_two_below(largest));
+    let c = T::from_real(power_of_two_below(terms.iter().map(|(_, a)| a.modulus()).sum()));
     let mut carried: Option<(usize, T)> = None;
     for piece in terms.chunks(PIECE).take(cuts) {
         let mut row: Vec<_> = carried.into_iter().chain(piece.iter().copied()).collect();

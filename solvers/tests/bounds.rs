@@ -193,6 +193,9 @@ fn spoilt_programs_are_refused() {
     ));
 }
 
+/// By how much the search may miss a row.
+const SLACK: f64 = 1e-8;
+
 /// Best point over all sets of rows held with equality: slow, and nothing like the method under test.
 fn search(qp: &BoundedQp) -> Option<Vec<f64>> {
     let (n, rows) = (qp.linear.len(), qp.inequalities.nrows());
@@ -212,7 +215,7 @@ fn search(qp: &BoundedQp) -> Option<Vec<f64>> {
         }
         let x = kkt.full_piv_lu().solve(&b)?.rows(0, n).into_owned();
         let slack = &qp.inequalities * &x - &qp.lower_bounds;
-        slack.iter().all(|&s| s > -1e-8).then(|| x.as_slice().to_vec())
+        slack.iter().all(|&s| s > -SLACK).then(|| x.as_slice().to_vec())
     });
     candidates.min_by(|a, b| qp.objective(a).total_cmp(&qp.objective(b)))
 }
@@ -239,10 +242,12 @@ proptest! {
             Ok(solution) => {
                 let best = search(&program.qp).expect("a feasible point was found");
                 let difference = program.qp.objective(&solution.x) - program.qp.objective(&best);
-                prop_assert!(difference < 1e-6, "off by {difference:e}");
+                // Where the search oversteps rows by its slack, it gains the slack times their multipliers.
+                let forces = 1.0 + solution.multipliers.iter().sum::<f64>();
+                prop_assert!(difference < 2.0 * SLACK * forces, "off by {difference:e}");
                 prop_assert!(solution.multipliers.iter().all(|&u| u >= 0.0));
                 let slack = &program.qp.inequalities * DVector::from_vec(solution.x) - &program.qp.lower_bounds;
-                prop_assert!(slack.iter().all(|&s| s > -1e-8));
+                prop_assert!(slack.iter().all(|&s| s > -SLACK));
             }
             Err(BoundsError::Infeasible { .. }) => prop_assert_eq!(search(&program.qp), None),
             Err(other) => prop_assert!(false, "{other}"),
