@@ -88,7 +88,11 @@ pub fn load_text(text: &str, path: &Path, folders: &ClipFolders) -> Result<Loade
         place: Place::default(),
     };
     let raw = raw::Scene::read(&node, &mut report).expect("a document is a table");
-    let scene = check::check(&raw, (path, &Lines::of(text)), folders, &mut report);
+    let scene = check::check(&raw, path, &Lines::of(text), folders, &mut report);
+    debug_assert!(
+        report.has_faults() || scene.characters.len() == raw.character.tables().len(),
+        "whoever is left out of the scene has a fault"
+    );
     if report.has_faults() {
         return Err(faults(report, path, text));
     }

@@ -89,7 +89,6 @@ fn read_file(path: &Path, options: FileOptions) -> Result<Read, Unreadable> {
         fps: options.fps,
         unit_to_m: options.unit_to_m,
         up: options.up.map(|up| match up {
-            Up::X => bvh::Up::X,
             Up::Y => bvh::Up::Y,
             Up::Z => bvh::Up::Z,
         }),

@@ -118,7 +118,6 @@ pub mod bvh {
     /// The axis that points up.
     #[derive(Clone, Copy, Debug)]
     pub enum Up {
-        X,
         Y,
         Z,
     }
