@@ -25,76 +25,18 @@ pub fn check(raw: &raw::Scene, cast: &[Member], lines: &Lines<'_>, report: &mut 
         names: BTreeMap::new(),
         checked: Checked::default(),
     };
-    for (index, table) in raw.pin.tables().iter().enumerate() {
-        let kind = checker.pin(table);
-        let (place, raw::Pin { name, strength, .. }) = (&table.place, &table.value);
-        checker.keep(
-            Head {
-                keyword: "pin",
-                index,
-                place,
-                name,
-                strength,
-            },
-            kind,
-        );
+    // The tables differ in type, but share these keys.
+    macro_rules! keep_each {
+        ($($kind:ident)*) => { $(
+            for (index, table) in raw.$kind.tables().iter().enumerate() {
+                let kind = checker.$kind(table);
+                let (keyword, place) = (stringify!($kind), &table.place);
+                let (name, strength) = (&table.value.name, &table.value.strength);
+                checker.keep(Head { keyword, index, place, name, strength }, kind);
+            }
+        )* };
     }
-    for (index, table) in raw.relative.tables().iter().enumerate() {
-        let kind = checker.relative(table);
-        let (place, raw::Relative { name, strength, .. }) = (&table.place, &table.value);
-        checker.keep(
-            Head {
-                keyword: "relative",
-                index,
-                place,
-                name,
-                strength,
-            },
-            kind,
-        );
-    }
-    for (index, table) in raw.time.tables().iter().enumerate() {
-        let kind = checker.time(table);
-        let (place, raw::Time { name, strength, .. }) = (&table.place, &table.value);
-        checker.keep(
-            Head {
-                keyword: "time",
-                index,
-                place,
-                name,
-                strength,
-            },
-            kind,
-        );
-    }
-    for (index, table) in raw.duration.tables().iter().enumerate() {
-        let kind = checker.duration(table);
-        let (place, raw::Duration { name, strength, .. }) = (&table.place, &table.value);
-        checker.keep(
-            Head {
-                keyword: "duration",
-                index,
-                place,
-                name,
-                strength,
-            },
-            kind,
-        );
-    }
-    for (index, table) in raw.sync.tables().iter().enumerate() {
-        let kind = checker.sync(table);
-        let (place, raw::Sync { name, strength, .. }) = (&table.place, &table.value);
-        checker.keep(
-            Head {
-                keyword: "sync",
-                index,
-                place,
-                name,
-                strength,
-            },
-            kind,
-        );
-    }
+    keep_each!(pin relative time duration sync);
     checker.checked
 }
 
