@@ -5,47 +5,40 @@ use std::path::Path;
 use std::sync::Arc;
 
 use crate::constraint::{Constraint, Instant};
-use crate::geometry::c64;
 use crate::index::CharacterId;
-use crate::scene::checker::{Checked, check_intervals};
-use crate::scene::clips::{self, ClipFolders, Declared, check_name, within};
+use crate::scene::checker::{Checked, FARTHEST, check_intervals, plan_point};
+use crate::scene::clips::{self, ClipFolders, Declared, Folders, check_name, within};
 use crate::scene::constraints;
 use crate::scene::moment::{Entry, Member};
 use crate::scene::report::{At, Lines, Place, Report};
 use crate::scene::tree::Field;
-use crate::scene::values::{self, Pair, Tables};
-use crate::scene::{Character, Mode, Object, Scene, Warp, raw, ties, unavailable};
+use crate::scene::values;
+use crate::scene::{Character, Mode, Object, Scene, Warp, raw, refuse, ties};
 use crate::track::{Protected, SeamChoice, Track};
-
-/// Farthest from the origin that anything stands, metres.
-const FARTHEST: f64 = 1e5;
-
-/// Objects by name, as far as they are sound.
-pub struct Objects {
-    /// Names, in the order of the file.
-    pub names: Vec<String>,
-    /// As many as names, where all are sound.
-    pub sound: Vec<Object>,
-}
 
 /// The scene that `raw` describes; whatever is wrong with it is in `report`, and the scene is then of no use.
 ///
 /// `path`: of the scene file. `lines`: of its text.
 pub fn check(
     raw: &raw::Scene,
-    (path, lines): (&Path, &Lines<'_>),
+    path: &Path,
+    lines: &Lines<'_>,
     folders: &ClipFolders,
     report: &mut Report,
 ) -> Scene {
-    unavailable::refuse(raw, report);
+    refuse::refuse(raw, report);
     let folder = path.parent().unwrap_or(Path::new(""));
-    let clips = clips::declared(raw, folder, folders, report);
+    let folders = Folders {
+        scene: folder,
+        mocap: folders.mocap.as_deref(),
+    };
+    let clips = clips::declared(raw, folders, report);
     let cast = cast(raw, &clips, report);
     let objects = objects(raw, report);
     check_unique(raw, report);
     let checked = match raw.character {
         Field::Spoiled => Checked::default(),
-        _ => constraints::check(raw, &cast, &objects, lines, report),
+        _ => constraints::check(raw, &cast, lines, report),
     };
     ties::warn_of_untied(&checked, &cast, report);
     let characters = characters(raw, &cast, &checked, report);
@@ -60,25 +53,10 @@ pub fn check(
             Some(values::Mode::Production) | None => Mode::Production,
         },
         characters,
-        objects: objects.sound,
+        objects,
         constraints: checked.constraints,
         warp: warp(&raw.warp, report),
     }
-}
-
-/// All tables of a kind.
-pub fn tables<T>(field: &Field<Tables<T>>) -> &[At<T>] {
-    field.value().map_or(&[], |tables| &tables.0)
-}
-
-/// The plan point `[x, −z]`, reported where it is out of this world.
-pub fn plan_point(pair: &At<Pair<f64>>, report: &mut Report) -> c64 {
-    let [x, y] = &pair.value;
-    for value in [x, y].into_iter().filter(|value| value.value.abs() > FARTHEST) {
-        let message = format!("{} metres is too far away", value.value);
-        report.fault(&value.place, message, format!("stay within {FARTHEST} metres"));
-    }
-    c64::new(x.value, y.value)
 }
 
 fn warp(field: &Field<raw::Warp>, report: &mut Report) -> Warp {
@@ -97,7 +75,7 @@ fn warp(field: &Field<raw::Warp>, report: &mut Report) -> Warp {
 }
 
 fn cast(raw: &raw::Scene, clips: &[Declared], report: &mut Report) -> Vec<Member> {
-    let characters = tables(&raw.character);
+    let characters = raw.character.tables();
     if characters.is_empty() && !matches!(raw.character, Field::Spoiled) {
         let help = "add a [[character]] table with a name and a track of clips";
         report.fault(&Place::default(), "the scene has no character", help);
@@ -149,17 +127,12 @@ fn member(character: &raw::Character, clips: &[Declared], used: &mut [bool], rep
     member
 }
 
-fn objects(raw: &raw::Scene, report: &mut Report) -> Objects {
-    let tables = tables(&raw.object);
-    let sound = tables
+fn objects(raw: &raw::Scene, report: &mut Report) -> Vec<Object> {
+    raw.object
+        .tables()
         .iter()
         .filter_map(|object| sound_object(object, report))
-        .collect();
-    let names = tables
-        .iter()
-        .map(|object| object.value.name.value().cloned().unwrap_or_default())
-        .collect();
-    Objects { names, sound }
+        .collect()
 }
 
 fn sound_object(object: &At<raw::Object>, report: &mut Report) -> Option<Object> {
@@ -191,10 +164,14 @@ fn sound_object(object: &At<raw::Object>, report: &mut Report) -> Option<Object>
 
 /// Reports characters and objects that share a name.
 fn check_unique(raw: &raw::Scene, report: &mut Report) {
-    let characters = tables(&raw.character)
+    let characters = raw
+        .character
+        .tables()
         .iter()
         .map(|character| (&character.value.name, "character"));
-    let objects = tables(&raw.object)
+    let objects = raw
+        .object
+        .tables()
         .iter()
         .map(|object| (&object.value.name, "object"));
     let mut first: BTreeMap<&String, &str> = BTreeMap::new();
@@ -218,7 +195,9 @@ fn article(noun: &str) -> String {
 
 /// Everybody whose track can be strung.
 fn characters(raw: &raw::Scene, cast: &[Member], checked: &Checked, report: &mut Report) -> Vec<Character> {
-    let tracks: Vec<Option<Track>> = tables(&raw.character)
+    let tracks: Vec<Option<Track>> = raw
+        .character
+        .tables()
         .iter()
         .zip(cast)
         .enumerate()
@@ -290,23 +269,26 @@ fn track(
     let (track, seams) = Track::string(clips, protected, (position, facing));
     for seam in seams.iter().filter(|seam| seam.distance > seam.admissible) {
         let place = places.value.get(seam.entry).map_or(&places.place, |at| &at.place);
-        warn_of_seam(seam, &member.track, (place, report));
+        report.warn(place, seam_of_unlike_poses(seam, &member.track), &seam_remedy(seam));
     }
     Some(track)
 }
 
-fn warn_of_seam(seam: &SeamChoice, track: &[Entry], (place, report): (&Place, &mut Report)) {
+fn seam_of_unlike_poses(seam: &SeamChoice, track: &[Entry]) -> String {
     let name = |entry: usize| track.get(entry).map_or("", |entry| entry.name.as_str());
     let (before, after) = (name(seam.entry), name(seam.entry + 1));
-    let SeamChoice { distance, admissible, held_by, .. } = seam;
-    let message = format!(
+    let SeamChoice {
+        distance, admissible, ..
+    } = seam;
+    format!(
         "\"{before}\" and \"{after}\" meet at unlike poses (distance {distance:.2}, similar up to {admissible:.2})"
-    );
-    let help = if held_by.is_empty() {
-        "put a clip between them, or choose other frames of either".to_owned()
-    } else {
-        let moments = held_by.iter().map(|moment| format!("\"{moment}\"")).collect::<Vec<_>>().join(", ");
-        format!("put a clip between them; {moments} must stay and left fewer frames to choose from")
-    };
-    report.warn(place, message, help);
+    )
+}
+
+fn seam_remedy(seam: &SeamChoice) -> String {
+    if seam.held_by.is_empty() {
+        return "put a clip between them, or choose other frames of either".to_owned();
+    }
+    let moments = seam.held_by.iter().map(|moment| format!("\"{moment}\"")).collect::<Vec<_>>().join(", ");
+    format!("put a clip between them; {moments} must stay and left fewer frames to choose from")
 }

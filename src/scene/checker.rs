@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use crate::constraint::{Constraint, ConstraintKind, Instant, Moment, Strength, When};
-use crate::scene::check::Objects;
+use crate::geometry::c64;
 use crate::scene::clips::check_name;
 use crate::scene::moment::{self, Member, Unresolved};
 use crate::scene::report::{At, Lines, Place, Report};
@@ -13,6 +13,9 @@ use crate::track::Track;
 
 /// Longest time, seconds, that a scene may speak of.
 const LONGEST: f64 = 1e6;
+
+/// Farthest from the origin that anything stands, metres.
+pub const FARTHEST: f64 = 1e5;
 
 /// Constraints that are sound, and where their parts stand.
 #[derive(Debug, Default)]
@@ -25,12 +28,37 @@ pub struct Checked {
     pub intervals: Vec<(Moment, Moment, Place)>,
 }
 
+/// The plan point `[x, −z]`, reported where it is out of this world.
+pub fn plan_point(pair: &At<Pair<f64>>, report: &mut Report) -> c64 {
+    let [x, y] = &pair.value;
+    for value in [x, y].into_iter().filter(|value| value.value.abs() > FARTHEST) {
+        let message = format!("{} metres is too far away", value.value);
+        report.fault(&value.place, message, format!("stay within {FARTHEST} metres"));
+    }
+    c64::new(x.value, y.value)
+}
+
+/// What every table of a constraint has.
+#[derive(Clone, Copy)]
+pub struct Head<'a> {
+    /// Name of the kind.
+    pub keyword: &'static str,
+    /// Position among its kind.
+    pub index: usize,
+    /// Of the table.
+    pub place: &'a Place,
+    /// Its author's name for it.
+    pub name: &'a Field<String>,
+    /// How strongly it holds.
+    pub strength: &'a Field<values::Strength>,
+}
+
 /// Checks constraints one by one, against a cast and its objects.
 pub struct Checker<'a> {
     /// Who performs.
     pub cast: &'a [Member],
-    /// What stands there.
-    pub objects: &'a Objects,
+    /// Names of the objects, in the order of the file; empty where a name is at fault.
+    pub objects: Vec<&'a str>,
     /// Of the file.
     pub lines: &'a Lines<'a>,
     /// What is wrong so far.
@@ -42,15 +70,15 @@ pub struct Checker<'a> {
 }
 
 impl Checker<'_> {
-    /// Adds the constraint of `table`, the `index`-th of its kind, where `kind` is sound.
-    pub fn keep<T>(
-        &mut self,
-        (keyword, index): (&str, usize),
-        table: &At<T>,
-        (name, strength): (&Field<String>, &Field<values::Strength>),
-        kind: Option<ConstraintKind>,
-    ) {
-        let place = &table.place;
+    /// Adds the constraint with the head `head`, where `kind` is sound.
+    pub fn keep(&mut self, head: Head<'_>, kind: Option<ConstraintKind>) {
+        let Head {
+            keyword,
+            index,
+            place,
+            name,
+            strength,
+        } = head;
         let own = format!("{keyword}[{index}]");
         let strength = self.strength(strength);
         if let Some(name) = name.given() {

@@ -35,6 +35,15 @@ impl ClipFolders {
     }
 }
 
+/// Where the clips of one scene file are looked for.
+#[derive(Clone, Copy, Debug)]
+pub struct Folders<'a> {
+    /// Where the scene file is.
+    pub scene: &'a Path,
+    /// Where `mocap:` files are.
+    pub mocap: Option<&'a Path>,
+}
+
 /// A clip of the `[clips]` table.
 #[derive(Clone, Debug)]
 pub struct Declared {
@@ -50,13 +59,8 @@ const FEWEST_WORKING_FRAMES: usize = 3;
 /// Longest clip, seconds: a day. What is longer comes from a wrong rate.
 const LONGEST_CLIP: f64 = 86_400.0;
 
-/// Reads the clips that `scene` declares. `folder`: where the scene file is.
-pub fn declared(
-    scene: &raw::Scene,
-    folder: &Path,
-    folders: &ClipFolders,
-    report: &mut Report,
-) -> Vec<Declared> {
+/// Reads the clips that `scene` declares.
+pub fn declared(scene: &raw::Scene, folders: Folders<'_>, report: &mut Report) -> Vec<Declared> {
     let clips: &[_] = scene.clips.value().map_or(&[], |clips| &clips.0);
     let sources: Vec<_> = clips
         .iter()
@@ -69,7 +73,7 @@ pub fn declared(
                 "clip",
                 report,
             );
-            source_of(clip, folder, folders, report)
+            source_of(clip, folders, report)
         })
         .collect();
     let results = read_once(&sources);
@@ -78,13 +82,15 @@ pub fn declared(
         .zip(&sources)
         .map(|((name, clip), source)| {
             let place = &clip.place;
-            let read = source.as_ref().and_then(|source| match &results[&source.key()] {
-                Ok(read) => Some(read),
-                Err(Unreadable { message, help }) => {
-                    report.fault(place, message.clone(), help.clone());
-                    None
-                }
-            });
+            let read = source
+                .as_ref()
+                .and_then(|(source, place)| match &results[&source.key()] {
+                    Ok(read) => Some(read),
+                    Err(Unreadable { message, help }) => {
+                        report.fault(place, message.clone(), help.clone());
+                        None
+                    }
+                });
             let entry = entry(name, clip, read, report);
             Declared {
                 place: place.clone(),
@@ -109,11 +115,11 @@ pub fn check_name(name: &At<String>, what: &str, report: &mut Report) {
 }
 
 /// Reads every distinct source once.
-fn read_once(sources: &[Option<Source>]) -> BTreeMap<String, Result<Read, Unreadable>> {
+fn read_once(sources: &[Option<(Source, Place)>]) -> BTreeMap<String, Result<Read, Unreadable>> {
     let distinct: BTreeMap<String, &Source> = sources
         .iter()
         .flatten()
-        .map(|source| (source.key(), source))
+        .map(|(source, _)| (source.key(), source))
         .collect();
     distinct
         .into_par_iter()
@@ -121,76 +127,66 @@ fn read_once(sources: &[Option<Source>]) -> BTreeMap<String, Result<Read, Unread
         .collect()
 }
 
-fn source_of(
-    clip: &At<raw::Clip>,
-    folder: &Path,
-    folders: &ClipFolders,
-    report: &mut Report,
-) -> Option<Source> {
+/// Where `clip` comes from, and the place that says so.
+fn source_of(clip: &At<raw::Clip>, folders: Folders<'_>, report: &mut Report) -> Option<(Source, Place)> {
     match &clip.value {
-        raw::Clip::Source(text) => named_source(
-            text,
-            &clip.place,
-            FileOptions::default(),
-            (folder, folders),
-            report,
-        ),
-        raw::Clip::File(file) => {
-            let options = options_of(file, report);
-            if let Some(skeleton) = file.skeleton.given() {
-                refuse_acclaim(&skeleton.place, report);
-                return None;
-            }
-            let At { value, place } = file.file.given()?;
-            if value.starts_with("builtin:") {
-                let help = "write { builtin = \"NAME\" } for a generated clip";
-                report.fault(place, "a generated clip is no file", help);
-                return None;
-            }
-            named_source(value, place, options?, (folder, folders), report)
-        }
         raw::Clip::Spoiled => None,
-        raw::Clip::Builtin(builtin) => Some(Source::Builtin {
-            name: builtin.builtin.value()?.clone(),
-            parameters: builtin
-                .parameters
-                .iter()
-                .map(|(key, value)| (key.clone(), value.value))
-                .collect(),
-        }),
+        raw::Clip::Source(text) => match text.strip_prefix("builtin:") {
+            Some(name) => {
+                let (name, parameters) = (name.to_owned(), BTreeMap::new());
+                Some((Source::Builtin { name, parameters }, clip.place.clone()))
+            }
+            None => {
+                let path = path_of(text, &clip.place, folders, report)?;
+                let options = FileOptions::default();
+                Some((Source::File { path, options }, clip.place.clone()))
+            }
+        },
+        raw::Clip::File(file) => file_source(file, folders, report),
+        raw::Clip::Builtin(builtin) => {
+            let At { value: name, place } = builtin.builtin.given()?;
+            let parameters = builtin.parameters.iter();
+            let parameters = parameters.map(|(key, value)| (key.clone(), value.value));
+            let (name, parameters) = (name.clone(), parameters.collect());
+            Some((Source::Builtin { name, parameters }, place.clone()))
+        }
     }
 }
 
-/// Source that `text` names: `builtin:NAME`, `mocap:PATH` or a path.
-fn named_source(
-    text: &str,
-    place: &Place,
-    options: FileOptions,
-    (folder, folders): (&Path, &ClipFolders),
-    report: &mut Report,
-) -> Option<Source> {
-    if let Some(name) = text.strip_prefix("builtin:") {
-        return Some(Source::Builtin {
-            name: name.to_owned(),
-            parameters: BTreeMap::new(),
-        });
+fn file_source(file: &raw::FileClip, folders: Folders<'_>, report: &mut Report) -> Option<(Source, Place)> {
+    let options = options_of(file, report);
+    if let Some(skeleton) = file.skeleton.given() {
+        refuse_acclaim(&skeleton.place, report);
+        return None;
     }
+    let At { value, place } = file.file.given()?;
+    if value.starts_with("builtin:") {
+        let help = "write { builtin = \"NAME\" } for a generated clip";
+        report.fault(place, "a generated clip is no file", help);
+        return None;
+    }
+    let path = path_of(value, place, folders, report)?;
+    let options = options?;
+    Some((Source::File { path, options }, place.clone()))
+}
+
+/// Path of the BVH file that `text` names, beside the scene file or below the `mocap:` folder.
+fn path_of(text: &str, place: &Place, folders: Folders<'_>, report: &mut Report) -> Option<PathBuf> {
     let lower = text.to_ascii_lowercase();
     if lower.ends_with(".amc") || lower.ends_with(".asf") {
         refuse_acclaim(place, report);
         return None;
     }
-    let path = match (text.strip_prefix("mocap:"), &folders.mocap) {
-        (None, _) => folder.join(text),
-        (Some(below), Some(mocap)) => mocap.join(below),
+    match (text.strip_prefix("mocap:"), folders.mocap) {
+        (None, _) => Some(folders.scene.join(text)),
+        (Some(below), Some(mocap)) => Some(mocap.join(below)),
         (Some(_), None) => {
             let message = format!("\"{text}\" is below $COTILLION_MOCAP, which is not set");
             let help = "set COTILLION_MOCAP to the folder of your motion capture";
             report.fault(place, message, help);
-            return None;
+            None
         }
-    };
-    Some(Source::File { path, options })
+    }
 }
 
 fn refuse_acclaim(place: &Place, report: &mut Report) {
@@ -260,7 +256,7 @@ fn entry(name: &str, declared: &At<raw::Clip>, read: Option<&Read>, report: &mut
         };
     };
     for note in notes {
-        let help = "give fps, unit or up in the clip's table if this is not right";
+        let help = "settle it in the clip's table, or leave it if it is right";
         report.warn(&declared.place, format!("clip \"{name}\": {note}"), help);
     }
     let range = range(clip, frames, &declared.place, report);

@@ -5,8 +5,7 @@ use std::collections::BTreeMap;
 use crate::constraint::{ConstraintKind, Partner, Relation, When};
 use crate::geometry::c64;
 use crate::index::ObjectId;
-use crate::scene::check::{Objects, plan_point, tables};
-use crate::scene::checker::{Checked, Checker};
+use crate::scene::checker::{Checked, Checker, Head, plan_point};
 use crate::scene::moment::Member;
 use crate::scene::raw;
 use crate::scene::report::{At, Lines, Place, Report};
@@ -15,66 +14,29 @@ use crate::scene::tree::Field;
 use crate::scene::values::{OneOrPair, WordOr};
 
 /// Checks every constraint of `raw`. `lines`: of the file.
-pub fn check(
-    raw: &raw::Scene,
-    cast: &[Member],
-    objects: &Objects,
-    lines: &Lines<'_>,
-    report: &mut Report,
-) -> Checked {
+pub fn check(raw: &raw::Scene, cast: &[Member], lines: &Lines<'_>, report: &mut Report) -> Checked {
+    let objects = raw.object.tables().iter();
+    let objects = objects.map(|object| object.value.name.value().map_or("", String::as_str));
     let mut checker = Checker {
         cast,
-        objects,
+        objects: objects.collect(),
         lines,
         report,
         names: BTreeMap::new(),
         checked: Checked::default(),
     };
-    for (index, table) in tables(&raw.pin).iter().enumerate() {
-        let kind = checker.pin(table);
-        checker.keep(
-            ("pin", index),
-            table,
-            (&table.value.name, &table.value.strength),
-            kind,
-        );
+    // The tables differ in type, but share these keys.
+    macro_rules! keep_each {
+        ($($kind:ident)*) => { $(
+            for (index, table) in raw.$kind.tables().iter().enumerate() {
+                let kind = checker.$kind(table);
+                let (keyword, place) = (stringify!($kind), &table.place);
+                let (name, strength) = (&table.value.name, &table.value.strength);
+                checker.keep(Head { keyword, index, place, name, strength }, kind);
+            }
+        )* };
     }
-    for (index, table) in tables(&raw.relative).iter().enumerate() {
-        let kind = checker.relative(table);
-        checker.keep(
-            ("relative", index),
-            table,
-            (&table.value.name, &table.value.strength),
-            kind,
-        );
-    }
-    for (index, table) in tables(&raw.time).iter().enumerate() {
-        let kind = checker.time(&table.value);
-        checker.keep(
-            ("time", index),
-            table,
-            (&table.value.name, &table.value.strength),
-            kind,
-        );
-    }
-    for (index, table) in tables(&raw.duration).iter().enumerate() {
-        let kind = checker.duration(table);
-        checker.keep(
-            ("duration", index),
-            table,
-            (&table.value.name, &table.value.strength),
-            kind,
-        );
-    }
-    for (index, table) in tables(&raw.sync).iter().enumerate() {
-        let kind = checker.sync(table);
-        checker.keep(
-            ("sync", index),
-            table,
-            (&table.value.name, &table.value.strength),
-            kind,
-        );
-    }
+    keep_each!(pin relative time duration sync);
     checker.checked
 }
 
@@ -173,16 +135,15 @@ impl Checker<'_> {
     }
 
     fn object(&mut self, name: &str, place: &Place) -> Option<Partner> {
-        if let Some(object) = self.objects.names.iter().position(|known| known == name) {
+        if let Some(object) = self.objects.iter().position(|known| *known == name) {
             return Some(Partner::Object(ObjectId::from_usize(object)));
         }
         if self.cast.iter().any(|member| member.name == name) {
             let message = format!("\"{name}\" is a character: say at which moment");
             self.report
                 .fault(place, message, format!("write a moment such as \"{name}:start\""));
-        } else if self.objects.names.iter().all(|known| !known.is_empty()) {
-            let names: Vec<_> = self.objects.names.iter().map(String::as_str).collect();
-            let help = suggest::remedy(name, "objects", &names);
+        } else if self.objects.iter().all(|known| !known.is_empty()) {
+            let help = suggest::remedy(name, "objects", &self.objects);
             let message = format!("no object \"{name}\"");
             self.report.fault(
                 place,
@@ -193,7 +154,8 @@ impl Checker<'_> {
         None
     }
 
-    fn time(&mut self, time: &raw::Time) -> Option<ConstraintKind> {
+    fn time(&mut self, table: &At<raw::Time>) -> Option<ConstraintKind> {
+        let time = &table.value;
         let seconds = self.seconds(&time.seconds);
         let at = time.at.given().and_then(|at| self.moment(&at.value, &at.place));
         Some(ConstraintKind::Time {

@@ -80,6 +80,9 @@ impl std::error::Error for SceneFaults {}
 /// Longest line that is shown underlined; a longer one is of no use to the eye.
 const LONGEST_SHOWN_LINE: usize = 400;
 
+/// So many are underlined; the rest take their line each.
+const MOST_UNDERLINED: usize = 50;
+
 /// Diagnostics of one file for people. `text`: what that file says.
 pub fn render(diagnostics: &[Diagnostic], text: &str, rendering: Rendering) -> String {
     let theme = match rendering {
@@ -93,12 +96,15 @@ pub fn render(diagnostics: &[Diagnostic], text: &str, rendering: Rendering) -> S
         .map_or("", |diagnostic| diagnostic.file.as_str());
     let source = NamedSource::new(file, text.to_owned());
     let mut shown = String::new();
-    for diagnostic in diagnostics {
+    for (index, diagnostic) in diagnostics.iter().enumerate() {
         let underlined = Underlined {
             diagnostic,
             source: &source,
         };
-        if !fits(diagnostic, text) || handler.render_report(&mut shown, &underlined).is_err() {
+        if index >= MOST_UNDERLINED
+            || !fits(diagnostic, text)
+            || handler.render_report(&mut shown, &underlined).is_err()
+        {
             shown += &plain(diagnostic);
         }
     }

@@ -8,6 +8,7 @@ pub mod diagnostic;
 pub mod load;
 pub mod moment;
 pub mod raw;
+pub mod refuse;
 pub mod report;
 pub mod schema;
 pub mod sources;

@@ -10,6 +10,7 @@ pub fn schema() -> Value {
     let generator = SchemaSettings::draft07().into_generator();
     let mut schema = generator.into_root_schema_for::<raw::Scene>().to_value();
     title_keys(&mut schema);
+    schema["title"] = Value::from("Cotillion scene");
     schema
 }
 
@@ -141,6 +142,8 @@ mod tests {
         }
         let schema = schema();
         assert!(schema.get("$id").is_none());
+        assert!(schema["$schema"].is_string() && schema["description"].is_string());
+        assert_eq!(schema["title"], "Cotillion scene");
         visit(&schema);
     }
 

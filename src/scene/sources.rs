@@ -65,6 +65,12 @@ impl Source {
     }
 }
 
+/// Names of files at least so alike are offered in place of a missing one.
+const LEAST_LIKENESS: f64 = 0.5;
+
+/// So many besides the most similar.
+const MOST_SIMILAR: usize = 3;
+
 /// Reads or generates the clip of `source`.
 pub fn read(source: &Source) -> Result<Read, Unreadable> {
     match source {
@@ -125,33 +131,32 @@ fn unreadable(path: &Path, reason: &str) -> Unreadable {
 }
 
 fn missing(path: &Path) -> Unreadable {
-    let folder = path.parent().unwrap_or(Path::new("."));
+    let message = format!("no file {}", path.display());
+    let folder = match path.parent() {
+        Some(folder) if !folder.as_os_str().is_empty() => folder,
+        _ => Path::new("."),
+    };
+    let Ok(entries) = fs::read_dir(folder) else {
+        let folder = folder.display();
+        let help = format!("there is no folder {folder} either: paths start at the folder of the scene file");
+        return Unreadable { message, help };
+    };
+    let mut names: Vec<_> = entries
+        .flatten()
+        .map(|entry| entry.file_name().to_string_lossy().into_owned())
+        .collect();
+    names.sort_unstable();
     let wanted = path
         .file_name()
         .map_or_else(String::new, |name| name.to_string_lossy().into_owned());
-    let mut names: Vec<String> = fs::read_dir(if folder.as_os_str().is_empty() {
-        Path::new(".")
-    } else {
-        folder
-    })
-    .map(|entries| {
-        let names = entries.flatten().map(|entry| entry.file_name());
-        names.map(|name| name.to_string_lossy().into_owned()).collect()
-    })
-    .unwrap_or_default();
-    names.sort_unstable();
-    let help = match suggest::closest(&wanted, names.iter().map(String::as_str)) {
-        Some(meant) => format!("did you mean \"{meant}\"? It is in the same folder"),
-        None if folder.is_dir() || folder.as_os_str().is_empty() => {
-            "put the file there, or correct the path: it starts at the folder of the scene file".to_owned()
+    let similar = suggest::similar(&wanted, names.iter().map(String::as_str), LEAST_LIKENESS);
+    let help = match similar.as_slice() {
+        [] => "put the file there, or correct the path: it starts at the folder of the scene file".to_owned(),
+        [only] => format!("did you mean \"{only}\"? It is in the same folder"),
+        [first, others @ ..] => {
+            let others = suggest::list(&others[..others.len().min(MOST_SIMILAR)]);
+            format!("did you mean \"{first}\"? Also in the same folder: {others}")
         }
-        None => format!(
-            "there is no folder {} either: paths start at the folder of the scene file",
-            folder.display()
-        ),
     };
-    Unreadable {
-        message: format!("no file {}", path.display()),
-        help,
-    }
+    Unreadable { message, help }
 }

@@ -5,16 +5,22 @@ const LONGEST_LIST: usize = 20;
 
 /// The most similar of `known`, where it is similar enough to be a slip.
 pub fn closest<'a>(name: &str, known: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
+    similar(name, known, 0.6).into_iter().next()
+}
+
+/// Those of `known` that are at least so like `name` (1: the same, but for case), the most similar first.
+pub fn similar<'a>(name: &str, known: impl IntoIterator<Item = &'a str>, least: f64) -> Vec<&'a str> {
     let lower = name.to_lowercase();
-    known
+    let mut similar: Vec<_> = known
         .into_iter()
         .map(|candidate| {
             let likeness = strsim::normalized_damerau_levenshtein(&lower, &candidate.to_lowercase());
             (likeness, candidate)
         })
-        .filter(|(likeness, _)| *likeness >= 0.6)
-        .max_by(|a, b| a.0.total_cmp(&b.0))
-        .map(|(_, candidate)| candidate)
+        .filter(|(likeness, _)| *likeness >= least)
+        .collect();
+    similar.sort_by(|a, b| b.0.total_cmp(&a.0));
+    similar.into_iter().map(|(_, candidate)| candidate).collect()
 }
 
 /// `did you mean "walk"? known: "walk", "run"`, as far as there is something to say.

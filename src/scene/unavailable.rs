@@ -1,62 +1,8 @@
-//! Tables of stages that are not available yet: read for what they say, then refused by name.
+//! Tables of stages that are not available yet: read for what they say, then refused by name (`refuse.rs`).
 
-use crate::scene::raw::{Object, Scene};
-use crate::scene::report::{At, Place, Report};
-use crate::scene::tree::{Field, table};
-use crate::scene::values::{Anything, OneOrPair, Pair, Strength, Tables, Triple};
-
-/// Reports every stage that `scene` asks for and that is not available yet.
-pub fn refuse(scene: &Scene, report: &mut Report) {
-    refuse_tables(&scene.carry, "[[carry]]", report);
-    refuse_tables(&scene.end_effector, "[[end_effector]]", report);
-    refuse_tables(&scene.drag, "[[drag]]", report);
-    let objects = scene.object.value().map_or(&[][..], |tables| &tables.0);
-    for object in objects {
-        refuse_keys(&object.value, report);
-    }
-    if let Some(discrete) = scene.discrete.given()
-        && discrete.value.enabled.value() != Some(&false)
-    {
-        let help = "remove the table, or set enabled = false";
-        refuse_one(&discrete.place, "[discrete]", help, report);
-    }
-    if let Some(physics) = scene.physics.given()
-        && physics.value.touch_up.value() != Some(&false)
-    {
-        let help = "remove the table, or set touch_up = false";
-        refuse_one(&physics.place, "[physics]", help, report);
-    }
-    if let Some(full_body) = scene.full_body.given()
-        && (full_body.value.enabled.value() != Some(&false) || !full_body.value.plants.is_absent())
-    {
-        let help = "remove the table, or set enabled = false and leave \"plants\" out";
-        refuse_one(&full_body.place, "[full_body]", help, report);
-    }
-}
-
-fn refuse_tables<T>(tables: &Field<Tables<T>>, what: &str, report: &mut Report) {
-    let Some(Tables(tables)) = tables.value() else {
-        return;
-    };
-    if let Some(first) = tables.first() {
-        let help = match tables.len() {
-            1 => "remove this table".to_owned(),
-            count => format!("remove all {count} tables of this kind"),
-        };
-        refuse_one(&first.place, what, &help, report);
-    }
-}
-
-fn refuse_keys(object: &Object, report: &mut Report) {
-    if let Some(keys) = object.keys.given() {
-        let help = "remove \"keys\" and give the object one \"position\"";
-        refuse_one(&keys.place, "an object that moves by \"keys\"", help, report);
-    }
-}
-
-fn refuse_one(place: &Place, what: &str, help: &str, report: &mut Report) {
-    report.fault(place, format!("{what} is not available yet"), help);
-}
+use crate::scene::report::At;
+use crate::scene::tree::table;
+use crate::scene::values::{Anything, OneOrPair, Pair, Strength, Triple};
 
 table! {
     /// Where an object is at one time.

@@ -8,7 +8,7 @@ use toml::de::DeValue;
 
 use crate::scene::report::{At, Place, Report};
 use crate::scene::suggest;
-use crate::scene::tree::{Keys, Node, Read, elements, wrong_type};
+use crate::scene::tree::{Field, Keys, Node, Read, elements, wrong_type};
 
 /// No number of a scene file is larger than this; what is larger is a slip, and would overflow later.
 pub const LARGEST_NUMBER: f64 = 1e9;
@@ -115,6 +115,13 @@ impl<T: Read, const N: usize> Read for [At<T>; N] {
 #[derive(Clone, Debug, JsonSchema)]
 #[schemars(transparent, inline)]
 pub struct Tables<T>(pub Vec<At<T>>);
+
+impl<T> Field<Tables<T>> {
+    /// All tables of the kind.
+    pub fn tables(&self) -> &[At<T>] {
+        self.value().map_or(&[], |tables| &tables.0)
+    }
+}
 
 impl<T: Read> Read for Tables<T> {
     fn read(node: &Node<'_>, report: &mut Report) -> Option<Self> {
