@@ -175,11 +175,9 @@ impl ConstraintKind {
     pub fn moments(&self) -> Vec<&Moment> {
         match self {
             Self::Pin { when, .. } => when.moments(),
-            Self::Relative {
-                when,
-                partner: Partner::Character(other),
-                ..
-            } => when.moments().into_iter().chain(other.moments()).collect(),
+            Self::Relative { when, partner: Partner::Character(other), .. } => {
+                when.moments().into_iter().chain(other.moments()).collect()
+            }
             Self::Relative { when, .. } => when.moments(),
             Self::Time { at, .. } => vec![at],
             Self::Duration { from, to, .. } => vec![from, to],

@@ -84,22 +84,12 @@ pub struct RigidMotion {
 
 impl RigidMotion {
     /// The motion that moves nothing.
-    pub const IDENTITY: Self = Self {
-        turn: c64::new(1.0, 0.0),
-        shift: c64::new(0.0, 0.0),
-    };
+    pub const IDENTITY: Self = Self { turn: c64::new(1.0, 0.0), shift: c64::new(0.0, 0.0) };
 
     /// Turns by `angle` and moves `from` to `to`.
     pub fn carrying(from: c64, to: c64, angle: f64) -> Self {
-        let turn = if angle == 0.0 {
-            c64::new(1.0, 0.0)
-        } else {
-            cis(angle)
-        };
-        Self {
-            turn,
-            shift: to - turn * from,
-        }
+        let turn = if angle == 0.0 { c64::new(1.0, 0.0) } else { cis(angle) };
+        Self { turn, shift: to - turn * from }
     }
 
     /// Where `point` goes.
@@ -114,10 +104,7 @@ impl RigidMotion {
 
     /// First `self`, then `after`.
     pub fn then(&self, after: &Self) -> Self {
-        Self {
-            turn: after.turn * self.turn,
-            shift: after.apply(self.shift),
-        }
+        Self { turn: after.turn * self.turn, shift: after.apply(self.shift) }
     }
 
     /// Where a world point goes; its height stays.

@@ -3,18 +3,17 @@
 //!
 //! Nouns first, then the steps in the order of the flow; a module uses only modules above it.
 
-pub mod clip;
-pub mod constraint;
-pub mod edit;
-pub mod export;
-pub mod geometry;
 pub mod index;
-pub mod metrics;
-pub mod path;
-pub mod resample;
-pub mod residual;
-pub mod scene;
-pub mod similarity;
+pub mod geometry;
 pub mod skeleton;
-pub mod time_track;
+pub mod clip;
+pub mod similarity;
+pub mod constraint;
+pub mod path;
 pub mod track;
+pub mod scene;
+pub mod edit;
+pub mod resample;
+pub mod metrics;
+pub mod residual;
+pub mod export;

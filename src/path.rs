@@ -234,7 +234,13 @@ pub struct TangentTurns {
 /// `fallback`: heading of the first frame, used where a path has no tangent at all. `threshold`: a change of φ larger than
 /// this between frames is a flip, radians (`π/2`). `shortest`: see [`SHORTEST_TANGENT`]. `pinned`: frames whose direction
 /// is held; no repair crosses them. Source: Kim et al. 2009, §4.1, extended from the singular point to the whole run.
-pub fn tangent_turns(rest: &[c64], edited: &[c64], shortest: f64, fallback: f64, pinned: &[usize]) -> TangentTurns {
+pub fn tangent_turns(
+    rest: &[c64],
+    edited: &[c64],
+    shortest: f64,
+    fallback: f64,
+    pinned: &[usize],
+) -> TangentTurns {
     let mut before = raw_tangents(rest);
     let bad_rest = degenerate(&before, shortest);
     repair_tangents(&mut before, &bad_rest, shortest, fallback);
@@ -256,7 +262,8 @@ pub fn tangent_turns(rest: &[c64], edited: &[c64], shortest: f64, fallback: f64,
     }
     if flips.iter().any(|flip| flip.repaired) {
         turns = turns_with(&bad);
-        let left: Vec<Flip> = find_flips(&turns).into_iter().map(|flip| Flip { repaired: false, ..flip }).collect();
+        let left: Vec<Flip> =
+            find_flips(&turns).into_iter().map(|flip| Flip { repaired: false, ..flip }).collect();
         flips.retain(|flip| flip.repaired);
         flips.extend(left);
     }
@@ -273,8 +280,10 @@ pub fn unwrap(angles: &mut [f64]) {
 
 /// Runs between two jumps that agree before and after, and lone jumps.
 fn find_flips(turns: &[f64]) -> Vec<Flip> {
-    let jumps: Vec<usize> =
-        (1..turns.len()).filter(|i| wrap(turns[*i] - turns[*i - 1]).abs() > FRAC_PI_2).map(|i| i - 1).collect();
+    let jumps: Vec<usize> = (1..turns.len())
+        .filter(|i| wrap(turns[*i] - turns[*i - 1]).abs() > FRAC_PI_2)
+        .map(|i| i - 1)
+        .collect();
     let mut flips = Vec::new();
     let mut k = 0;
     while k < jumps.len() {

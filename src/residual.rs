@@ -114,7 +114,10 @@ pub fn moment_times(scene: &Scene, edit: &Edit) -> Vec<MomentTime> {
     for moment in scene.constraints.iter().flat_map(|constraint| constraint.kind.moments()) {
         if moments.iter().all(|known| known.name != moment.name) {
             let times = &edit.characters[moment.character.as_usize()].times;
-            moments.push(MomentTime { name: moment.name.clone(), time: time_of(times, frame_of(scene, moment)) });
+            moments.push(MomentTime {
+                name: moment.name.clone(),
+                time: time_of(times, frame_of(scene, moment)),
+            });
         }
     }
     moments

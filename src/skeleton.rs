@@ -92,18 +92,12 @@ pub struct JointFrame {
 impl Skeleton {
     /// The joint that has `role`.
     pub fn joint_of(&self, role: JointRole) -> Option<JointId> {
-        self.joints
-            .iter()
-            .position(|joint| joint.role == Some(role))
-            .map(JointId::from_usize)
+        self.joints.iter().position(|joint| joint.role == Some(role)).map(JointId::from_usize)
     }
 
     /// The joint called `name` in the file (the first, where names repeat).
     pub fn joint_named(&self, name: &str) -> Option<JointId> {
-        self.joints
-            .iter()
-            .position(|joint| joint.name == name)
-            .map(JointId::from_usize)
+        self.joints.iter().position(|joint| joint.name == name).map(JointId::from_usize)
     }
 
     /// The pose in which every rotation is none and the root stands where its offset says.
@@ -120,10 +114,7 @@ impl Skeleton {
         let mut frames: Vec<JointFrame> = Vec::with_capacity(self.joints.len());
         for (index, joint) in self.joints.iter().enumerate() {
             let frame = match joint.parent {
-                None => JointFrame {
-                    position: pose.root,
-                    rotation: pose.rotations[0],
-                },
+                None => JointFrame { position: pose.root, rotation: pose.rotations[0] },
                 Some(parent) => {
                     let above = frames[parent.as_usize()];
                     let offset = pose.offset_of(JointId::from_usize(index)).unwrap_or(joint.offset);
@@ -153,10 +144,7 @@ impl Skeleton {
 impl Pose {
     /// Offset of `joint` where this pose has its own.
     pub fn offset_of(&self, joint: JointId) -> Option<DVec3> {
-        self.offsets
-            .iter()
-            .find(|(moved, _)| *moved == joint)
-            .map(|(_, offset)| *offset)
+        self.offsets.iter().find(|(moved, _)| *moved == joint).map(|(_, offset)| *offset)
     }
 }
 

@@ -103,7 +103,11 @@ impl Track {
         let (from, heading) = (clip.positions[first], clip.headings[first]);
         self.runs[0].placement = match (position, facing) {
             (None, None) => RigidMotion::IDENTITY,
-            _ => RigidMotion::carrying(from, position.unwrap_or(from), facing.map_or(0.0, |facing| facing - heading)),
+            _ => RigidMotion::carrying(
+                from,
+                position.unwrap_or(from),
+                facing.map_or(0.0, |facing| facing - heading),
+            ),
         };
         for index in 1..self.runs.len() {
             self.runs[index].placement = self.aligned(index);
@@ -184,7 +188,8 @@ impl Track {
         let mut values = Vec::with_capacity(self.frame_count());
         for run in &self.runs {
             let clip = &self.clips[run.entry];
-            values.extend((run.first.as_usize()..=run.last.as_usize()).map(|f| value(clip, f, &run.placement)));
+            values
+                .extend((run.first.as_usize()..=run.last.as_usize()).map(|f| value(clip, f, &run.placement)));
         }
         values
     }
@@ -260,7 +265,10 @@ impl Track {
         let (first, b) = (before.last.as_usize(), after.first.as_usize().saturating_sub(1));
         for (joint, rotation) in pose.rotations.iter_mut().enumerate() {
             let (from, to) = match joint {
-                0 => (yaw(-source.headings[b]) * left.rotations[0], yaw(-target.headings[first]) * shown.rotations[0]),
+                0 => (
+                    yaw(-source.headings[b]) * left.rotations[0],
+                    yaw(-target.headings[first]) * shown.rotations[0],
+                ),
                 _ => (left.rotations[joint], shown.rotations[joint]),
             };
             *rotation = (*rotation * exp(log(from.inverse() * to) * fade)).normalize();
@@ -313,12 +321,7 @@ struct Seam {
 }
 
 /// The best pair of frames to join entries `entry` and `entry + 1`; the first of them starts at frame `start`.
-fn best_seam(
-    clips: &[Arc<WorkingClip>],
-    entry: usize,
-    start: usize,
-    protected: &[Protected],
-) -> Seam {
+fn best_seam(clips: &[Arc<WorkingClip>], entry: usize, start: usize, protected: &[Protected]) -> Seam {
     let (a, b) = (&clips[entry], &clips[entry + 1]);
     let range = |clip: &WorkingClip| (clip.frame_count() / 2).min(SEAM_WINDOW);
     let frames_of = |entry: usize| protected.iter().filter(move |frame| frame.entry == entry);
@@ -345,7 +348,8 @@ fn best_seam(
             }
         }
     }
-    let (_, distance, _, last, first) = best.expect("the last frame of one clip and the first of the next may always meet");
+    let (_, distance, _, last, first) =
+        best.expect("the last frame of one clip and the first of the next may always meet");
     let admissible = admissible_distance(a, &features_a).max(admissible_distance(b, &features_b));
     let free = |entry: usize| protected.iter().filter(move |frame| frame.entry == entry);
     let window = (a.frame_count() - 1 - range(a), range(b));

@@ -21,11 +21,7 @@ fn main() {
     let trials = scenes
         .into_iter()
         .map(|path| {
-            let name = path
-                .file_stem()
-                .unwrap_or_default()
-                .to_string_lossy()
-                .into_owned();
+            let name = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
             Trial::test(name, move || has_the_expected_faults(&path))
         })
         .collect();
@@ -44,25 +40,13 @@ fn has_the_expected_faults(path: &Path) -> Result<(), Failed> {
     let text = fs::read_to_string(path)?;
     let expected =
         expected_of(&text).ok_or("the head of the file announces no fault, or in the wrong form")?;
-    let found = load(path, &ClipFolders::default())
-        .err()
-        .ok_or("the scene loads")?;
+    let found = load(path, &ClipFolders::default()).err().ok_or("the scene loads")?;
     let shown = found.render(Rendering::Graphical);
     if found.faults.len() != expected.len() {
-        return Err(format!(
-            "{} faults in place of {}:\n{shown}",
-            found.faults.len(),
-            expected.len()
-        )
-        .into());
+        return Err(format!("{} faults in place of {}:\n{shown}", found.faults.len(), expected.len()).into());
     }
     for (fault, expected) in found.faults.iter().zip(&expected) {
-        let Expected {
-            line,
-            column,
-            message,
-            help,
-        } = expected;
+        let Expected { line, column, message, help } = expected;
         let remedy = fault.help.as_deref().unwrap_or_default();
         let as_expected = (fault.line, fault.column) == (*line, *column)
             && fault.message.contains(message.as_str())

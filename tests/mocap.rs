@@ -57,22 +57,10 @@ type Stretches = &'static [(usize, usize)];
 
 /// Stationary stretches of whole clips, by speed alone and with both feet down as well.
 const STATIONARY: [(&str, Stretches, Stretches); 6] = [
-    (
-        "snu_walk_straight_normal",
-        &[(0, 51), (189, 199)],
-        &[(0, 53), (176, 199)],
-    ),
+    ("snu_walk_straight_normal", &[(0, 51), (189, 199)], &[(0, 53), (176, 199)]),
     ("snu_spiral_walk_normal", &[(0, 77)], &[(0, 77)]),
-    (
-        "snu_u_turn",
-        &[(0, 42), (535, 548), (764, 776)],
-        &[(0, 48), (527, 550), (636, 656), (755, 776)],
-    ),
-    (
-        "cmu_131_01_start_walk_stop",
-        &[(10, 22), (204, 248)],
-        &[(10, 22), (198, 248)],
-    ),
+    ("snu_u_turn", &[(0, 42), (535, 548), (764, 776)], &[(0, 48), (527, 550), (636, 656), (755, 776)]),
+    ("cmu_131_01_start_walk_stop", &[(10, 22), (204, 248)], &[(10, 22), (198, 248)]),
     ("cmu_12_01_walk", &[], &[]),
     ("cmu_37_01_walk", &[], &[]),
 ];
@@ -99,47 +87,28 @@ fn main() {
     };
     let mut trials = Vec::new();
     for file in FILES {
-        trials.push(trial(
-            format!("{file} loads to the manifest's facts"),
-            facts_agree,
-            file,
-        ));
+        trials.push(trial(format!("{file} loads to the manifest's facts"), facts_agree, file));
         trials.push(trial(format!("{file} is read back as written"), round_trip, file));
         trials.push(trial(format!("{file} can be inspected"), can_be_inspected, file));
     }
     for (file, ..) in STATIONARY {
-        trials.push(trial(
-            format!("{file} stands where it stands"),
-            stationary_agrees,
-            file,
-        ));
+        trials.push(trial(format!("{file} stands where it stands"), stationary_agrees, file));
     }
     for (file, _) in FOOT_SLIDES {
         trials.push(trial(format!("{file} slides as it does"), slide_agrees, file));
     }
-    trials.push(trial(
-        "snu_broad_jump flies once".to_owned(),
-        flies_once,
-        "snu_broad_jump",
-    ));
+    trials.push(trial("snu_broad_jump flies once".to_owned(), flies_once, "snu_broad_jump"));
     for file in ["snu_slope_up_10", "cmu_12_01_walk", "cmu_37_01_walk", "mass_cart"] {
         trials.push(trial(format!("{file} never flies"), never_flies, file));
     }
-    trials.push(trial(
-        "odd files end in a clip or an error".to_owned(),
-        odd_files,
-        "odd",
-    ));
+    trials.push(trial("odd files end in a clip or an error".to_owned(), odd_files, "odd"));
     libtest_mimic::run(&arguments, trials).exit();
 }
 
 fn mocap_folder() -> Option<PathBuf> {
     let beside = Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/mocap");
     let set = std::env::var_os("COTILLION_MOCAP").map(PathBuf::from);
-    [set, Some(beside)]
-        .into_iter()
-        .flatten()
-        .find(|folder| folder.is_dir())
+    [set, Some(beside)].into_iter().flatten().find(|folder| folder.is_dir())
 }
 
 fn load(folder: &Path, file: &str, options: &ReadOptions) -> Result<ReadClip, Failed> {
@@ -160,18 +129,11 @@ impl Row {
         let columns = split(text.lines().next().unwrap_or(""));
         let start = format!("bvh/{file}.bvh\t");
         let values = text.lines().find(|line| line.starts_with(&start)).map(split);
-        Ok(Self {
-            columns,
-            values: values.ok_or("no row in the manifest")?,
-        })
+        Ok(Self { columns, values: values.ok_or("no row in the manifest")? })
     }
 
     fn text(&self, column: &str) -> Result<&str, Failed> {
-        let at = self
-            .columns
-            .iter()
-            .position(|name| name == column)
-            .ok_or("no such column")?;
+        let at = self.columns.iter().position(|name| name == column).ok_or("no such column")?;
         Ok(self.values.get(at).ok_or("short row")?)
     }
 
@@ -192,18 +154,8 @@ fn facts_agree(folder: &Path, file: &str) -> Result<(), Failed> {
         ("frames", clip.frame_count() as f64, 0.0, 0.0),
         ("header_fps", read.header_fps, 0.0, 0.005),
         ("unit_to_m", read.unit_to_m, 1e-4, 0.0),
-        (
-            "top_joint_height_m",
-            standing_height(clip, SourceFrame(1), last),
-            0.001,
-            0.005,
-        ),
-        (
-            "root_ground_path_m",
-            root_path(clip, SourceFrame(1), last),
-            0.005,
-            0.005,
-        ),
+        ("top_joint_height_m", standing_height(clip, SourceFrame(1), last), 0.001, 0.005),
+        ("root_ground_path_m", root_path(clip, SourceFrame(1), last), 0.005, 0.005),
     ];
     for (column, found, share, digits) in checks {
         let stated = row.number(column)?;
@@ -211,10 +163,7 @@ fn facts_agree(folder: &Path, file: &str) -> Result<(), Failed> {
             faults.push(format!("{column}: {found}, stated {stated}"));
         }
     }
-    let rest_pose = read
-        .notes
-        .iter()
-        .any(|note| matches!(note, ReadNote::RestPoseLeftOut { .. }));
+    let rest_pose = read.notes.iter().any(|note| matches!(note, ReadNote::RestPoseLeftOut { .. }));
     if rest_pose != (row.text("frame0_jump_rest_pose")? == "yes") {
         faults.push(format!("rest pose at frame 0: {rest_pose}"));
     }
@@ -225,11 +174,7 @@ fn facts_agree(folder: &Path, file: &str) -> Result<(), Failed> {
     if !missing.is_empty() {
         faults.push(format!("missing {missing:?}"));
     }
-    if faults.is_empty() {
-        Ok(())
-    } else {
-        Err(faults.join("; ").into())
-    }
+    if faults.is_empty() { Ok(()) } else { Err(faults.join("; ").into()) }
 }
 
 fn round_trip(folder: &Path, file: &str) -> Result<(), Failed> {
@@ -238,11 +183,9 @@ fn round_trip(folder: &Path, file: &str) -> Result<(), Failed> {
     let back = read(to_bvh(&before).as_bytes(), file, &ReadOptions::default())?;
     let after = &back.clip;
     if back.unit_to_m != 1.0 || back.up != Up::Y || before.usable != after.usable || before.fps != after.fps {
-        return Err(format!(
-            "{} m, {} up, {} fps, {:?}",
-            back.unit_to_m, back.up, after.fps, after.usable
-        )
-        .into());
+        return Err(
+            format!("{} m, {} up, {} fps, {:?}", back.unit_to_m, back.up, after.fps, after.usable).into()
+        );
     }
     let (metres, radians) = largest_difference(&before, after);
     let matches = before.skeleton.matches(&after.skeleton);
@@ -276,15 +219,8 @@ fn can_be_inspected(folder: &Path, file: &str) -> Result<(), Failed> {
     let text = facts_text(&facts);
     let last = read.clip.usable.1.0;
     let in_range = |from: u32, to: u32| from <= to && to <= last;
-    let sound = facts
-        .contacts
-        .iter()
-        .chain(&facts.flights)
-        .all(|range| in_range(range.from, range.to))
-        && facts
-            .stationary
-            .iter()
-            .all(|range| in_range(range.from, range.to));
+    let sound = facts.contacts.iter().chain(&facts.flights).all(|range| in_range(range.from, range.to))
+        && facts.stationary.iter().all(|range| in_range(range.from, range.to));
     if sound && !facts.contacts.is_empty() && text.lines().count() < 40 {
         return Ok(());
     }
@@ -299,20 +235,11 @@ fn whole(folder: &Path, file: &str) -> Result<WorkingClip, Failed> {
 
 fn stationary_agrees(folder: &Path, file: &str) -> Result<(), Failed> {
     let working = whole(folder, file)?;
-    let by_speed_alone = StationarySettings {
-        both_feet_shortest: usize::MAX,
-        ..StationarySettings::default()
-    };
-    let slow = runs(&stationary(
-        &working.positions,
-        &working.contacts,
-        &by_speed_alone,
-    ));
+    let by_speed_alone =
+        StationarySettings { both_feet_shortest: usize::MAX, ..StationarySettings::default() };
+    let slow = runs(&stationary(&working.positions, &working.contacts, &by_speed_alone));
     let all = runs(&working.stationary);
-    let expected = STATIONARY
-        .iter()
-        .find(|(name, ..)| *name == file)
-        .ok_or("no expectation")?;
+    let expected = STATIONARY.iter().find(|(name, ..)| *name == file).ok_or("no expectation")?;
     if slow == expected.1 && all == expected.2 {
         return Ok(());
     }
@@ -321,11 +248,7 @@ fn stationary_agrees(folder: &Path, file: &str) -> Result<(), Failed> {
 
 fn slide_agrees(folder: &Path, file: &str) -> Result<(), Failed> {
     let found = foot_slide_working(&whole(folder, file)?).ok_or("no contact")?;
-    let expected = FOOT_SLIDES
-        .iter()
-        .find(|(name, _)| *name == file)
-        .ok_or("no expectation")?
-        .1;
+    let expected = FOOT_SLIDES.iter().find(|(name, _)| *name == file).ok_or("no expectation")?.1;
     // Three decimals are stated.
     if (found - expected).abs() < 0.0006 {
         Ok(())
@@ -345,11 +268,7 @@ fn flies_once(folder: &Path, file: &str) -> Result<(), Failed> {
 
 fn never_flies(folder: &Path, file: &str) -> Result<(), Failed> {
     let found = runs(&whole(folder, file)?.flight);
-    if found.is_empty() {
-        Ok(())
-    } else {
-        Err(format!("{found:?}").into())
-    }
+    if found.is_empty() { Ok(()) } else { Err(format!("{found:?}").into()) }
 }
 
 /// Every file called broken is refused with a place, and so are one that announces more frames than it has and one without
@@ -358,9 +277,7 @@ fn odd_files(folder: &Path, odd: &str) -> Result<(), Failed> {
     let mut faults = Vec::new();
     for entry in std::fs::read_dir(folder.join(odd))? {
         let path = entry?.path();
-        let name = path
-            .file_stem()
-            .map_or_else(String::new, |stem| stem.to_string_lossy().into_owned());
+        let name = path.file_stem().map_or_else(String::new, |stem| stem.to_string_lossy().into_owned());
         if path.extension().is_none_or(|extension| extension != "bvh") {
             continue;
         }
@@ -373,9 +290,5 @@ fn odd_files(folder: &Path, odd: &str) -> Result<(), Failed> {
             Err(error) => faults.push(format!("{name}: {error}")),
         }
     }
-    if faults.is_empty() {
-        Ok(())
-    } else {
-        Err(faults.join("; ").into())
-    }
+    if faults.is_empty() { Ok(()) } else { Err(faults.join("; ").into()) }
 }

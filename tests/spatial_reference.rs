@@ -23,7 +23,11 @@ fn path_s() -> RestPath {
 }
 
 fn path_t() -> RestPath {
-    plain((0..200).map(|i| c64::new(7.96 - 0.04 * f64::from(i), 1.0 + 0.2 * (0.05 * f64::from(i)).sin())).collect())
+    plain(
+        (0..200)
+            .map(|i| c64::new(7.96 - 0.04 * f64::from(i), 1.0 + 0.2 * (0.05 * f64::from(i)).sin()))
+            .collect(),
+    )
 }
 
 fn plain(positions: Vec<c64>) -> RestPath {
@@ -36,7 +40,11 @@ fn place(path: usize, frame: u32) -> Place {
 }
 
 fn pin(path: usize, frame: u32, target: c64, strength: Strength) -> HeldRow {
-    HeldRow { constraint: ConstraintId(frame), strength, hold: Hold::Position { at: place(path, frame), target } }
+    HeldRow {
+        constraint: ConstraintId(frame),
+        strength,
+        hold: Hold::Position { at: place(path, frame), target },
+    }
 }
 
 /// Direction at a frame turned by `angle` against rest.
@@ -117,7 +125,8 @@ fn case_b_two_pins_scale_the_path_evenly() {
         (1.5, 12.500236253136313, 12.195311012778934, (6.0, -0.1280112002671)),
         (0.5, 4.166745417712105, 4.663145290372389, (2.0, -0.0396380986523)),
     ] {
-        let rows = [pin(0, 0, p[0], Strength::Hard), pin(0, 199, p[0] + factor * (p[199] - p[0]), Strength::Hard)];
+        let rows =
+            [pin(0, 0, p[0], Strength::Hard), pin(0, 199, p[0] + factor * (p[199] - p[0]), Strength::Hard)];
         let result = solved(vec![path_s()], &rows, SpatialSettings::PAPER);
         assert!((length(&result.shaped[0]) - shaped).abs() < POSITION);
         assert!((length(&result.edited[0]) - edited).abs() < POSITION);
@@ -164,8 +173,18 @@ fn case_e_a_relative_position_and_direction() {
     ];
     rows.extend(tied(&rests, (0, 100), (1, 100)));
     for (relative, scale, p100, distance) in [
-        (RelativeMode::TangentScaled, 6.133692259795e-7, (3.67381035097508, 0.180446858117551), 0.948738429142194),
-        (RelativeMode::RigidOffset, 1.203258907876e-6, (3.69315566571809, 0.208109439352708), 0.892936165142762),
+        (
+            RelativeMode::TangentScaled,
+            6.133692259795e-7,
+            (3.67381035097508, 0.180446858117551),
+            0.948738429142194,
+        ),
+        (
+            RelativeMode::RigidOffset,
+            1.203258907876e-6,
+            (3.69315566571809, 0.208109439352708),
+            0.892936165142762,
+        ),
     ] {
         let settings = SpatialSettings { relative, ..SpatialSettings::PAPER };
         let result = solved(rests.clone(), &rows, settings);
@@ -198,9 +217,9 @@ fn case_f_a_turned_direction() {
 fn case_v_soft_samples_of_an_interval() {
     let p = path_s().positions;
     let mut rows = vec![pin(0, 0, p[0], Strength::Hard), pin(0, 199, p[199], Strength::Hard)];
-    rows.extend((60..=140).step_by(10).map(|i| {
-        pin(0, i, p[i as usize] + c64::new(0.0, 1.0), Strength::Soft(1.0))
-    }));
+    rows.extend(
+        (60..=140).step_by(10).map(|i| pin(0, i, p[i as usize] + c64::new(0.0, 1.0), Strength::Soft(1.0))),
+    );
     let result = solved(vec![path_s()], &rows, SpatialSettings::PAPER);
     energy_close(result.energy.shape + result.energy.shape_soft, 3.427814883441_03e-6); // corrected
     energy_close(result.energy.scale + result.energy.scale_soft, 1.1219172510731e-6);
@@ -291,7 +310,8 @@ fn the_stiffness_floor_spreads_bending_over_the_walk() {
 
 #[test]
 fn turned_over_tangents_are_found_and_repaired() {
-    let rest = plain((0..=20).map(|i| c64::new(0.1 * f64::from(i), 0.02 * (0.3 * f64::from(i)).sin())).collect());
+    let rest =
+        plain((0..=20).map(|i| c64::new(0.1 * f64::from(i), 0.02 * (0.3 * f64::from(i)).sin())).collect());
     let p = rest.positions.clone();
     let rows = [
         pin(0, 0, p[0], Strength::Hard),
@@ -302,7 +322,8 @@ fn turned_over_tangents_are_found_and_repaired() {
     let result = solved(vec![rest.clone()], &rows, SpatialSettings::PAPER);
     energy_close(result.energy.shape, 0.00177152854898913);
     energy_close(result.energy.scale, 0.000542563328123759);
-    let turns = cotillion::path::tangent_turns(&p, &result.edited[0], cotillion::path::SHORTEST_TANGENT, 0.0, &[]);
+    let turns =
+        cotillion::path::tangent_turns(&p, &result.edited[0], cotillion::path::SHORTEST_TANGENT, 0.0, &[]);
     assert_eq!(turns.flips.len(), 1);
     assert_eq!((turns.flips[0].first, turns.flips[0].last, turns.flips[0].repaired), (9, 11, true));
     for (i, degrees) in [(7, 1.7), (8, -7.2), (12, -7.1), (13, 2.0)] {
@@ -403,10 +424,12 @@ fn a_stretch_that_hard_pins_pull_apart_is_released() {
 #[test]
 fn one_and_two_frame_paths_are_points_and_segments() {
     let lone = plain(vec![c64::new(1.0, 2.0)]);
-    let result = solved(vec![lone], &[pin(0, 0, c64::new(3.0, 4.0), Strength::Hard)], SpatialSettings::PRODUCTION);
+    let result =
+        solved(vec![lone], &[pin(0, 0, c64::new(3.0, 4.0), Strength::Hard)], SpatialSettings::PRODUCTION);
     close(result.edited[0][0], (3.0, 4.0));
     let pair = plain(vec![c64::default(), c64::new(0.1, 0.0)]);
-    let result = solved(vec![pair], &[pin(0, 1, c64::new(1.1, 0.0), Strength::Hard)], SpatialSettings::PRODUCTION);
+    let result =
+        solved(vec![pair], &[pin(0, 1, c64::new(1.1, 0.0), Strength::Hard)], SpatialSettings::PRODUCTION);
     close(result.edited[0][0], (1.0, 0.0));
 }
 

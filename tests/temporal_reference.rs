@@ -85,7 +85,10 @@ fn case_t3_bounds_where_clamping_fails() {
     let at_bound = first.windows(2).filter(|pair| (pair[1] - pair[0] - 1.5 * H).abs() < 1e-9).count();
     assert_eq!(at_bound, 59);
     let paper = TemporalSettings { method: BoundMethod::PaperIteration, ..bounds(0.5, 1.5) };
-    assert!(build(&[60, 80], rows, paper).solve().is_err(), "the clamping loop has no answer here, and says so");
+    assert!(
+        build(&[60, 80], rows, paper).solve().is_err(),
+        "the clamping loop has no answer here, and says so"
+    );
 }
 
 #[test]

@@ -38,11 +38,7 @@ impl Layout {
             KktForm::NormalEquations => 0,
         };
         let multipliers = unknowns + stretched.soft.columns();
-        Self {
-            unknowns,
-            multipliers,
-            size: multipliers + stretched.hard.rows(),
-        }
+        Self { unknowns, multipliers, size: multipliers + stretched.hard.rows() }
     }
 }
 
@@ -59,11 +55,7 @@ impl RowPattern {
 /// Calls `visit` with place and value of every entry of the scaled system, always in the same order.
 pub(crate) fn visit_entries<T: Scalar>(
     form: KktForm,
-    Layout {
-        unknowns,
-        multipliers,
-        ..
-    }: Layout,
+    Layout { unknowns, multipliers, .. }: Layout,
     (soft, soft_scales): (&CsMat<T>, &[f64]),
     (hard, hard_scales): (&CsMat<T>, &[f64]),
     mut visit: impl FnMut((usize, usize), T),
@@ -95,17 +87,12 @@ pub(crate) fn visit_entries<T: Scalar>(
 /// Powers of two that bring the rows to norms between 1 and 2.
 pub(crate) fn row_scales<T: Scalar>(matrix: &CsMat<T>) -> Vec<f64> {
     let norm = |row: sprs::CsVecView<'_, T>| row.iter().map(|(_, a)| a.modulus_squared()).sum::<f64>().sqrt();
-    matrix
-        .outer_iterator()
-        .map(|row| 1.0 / power_of_two_below(norm(row)))
-        .collect()
+    matrix.outer_iterator().map(|row| 1.0 / power_of_two_below(norm(row))).collect()
 }
 
 /// `b − A x`, row by row.
 pub(crate) fn row_residuals<T: Scalar>(a: &CsMat<T>, x: &[T], b: &[T]) -> impl Iterator<Item = T> {
-    a.outer_iterator()
-        .zip(b)
-        .map(|(row, &b_i)| row.iter().fold(b_i, |rest, (j, &a_ij)| rest - a_ij * x[j]))
+    a.outer_iterator().zip(b).map(|(row, &b_i)| row.iter().fold(b_i, |rest, (j, &a_ij)| rest - a_ij * x[j]))
 }
 
 pub(crate) fn check_shape<T: Scalar>(problem: &LeastSquares<T>) -> Result<(), KktError> {
@@ -115,12 +102,7 @@ pub(crate) fn check_shape<T: Scalar>(problem: &LeastSquares<T>) -> Result<(), Kk
         }
         let (expected, actual) = (problem.columns, matrix.cols());
         if actual != expected {
-            return Err(KktError::ShapeMismatch {
-                block,
-                side: "columns",
-                expected,
-                actual,
-            });
+            return Err(KktError::ShapeMismatch { block, side: "columns", expected, actual });
         }
     }
     Ok(())
@@ -131,18 +113,11 @@ pub(crate) fn check_pattern<T>(
     pattern: &RowPattern,
     matrix: &CsMat<T>,
 ) -> Result<(), KktError> {
-    if pattern.fits(matrix) {
-        Ok(())
-    } else {
-        Err(KktError::PatternChanged { block })
-    }
+    if pattern.fits(matrix) { Ok(()) } else { Err(KktError::PatternChanged { block }) }
 }
 
 pub(crate) fn check_values<T: Scalar>(block: &'static str, matrix: &CsMat<T>) -> Result<(), KktError> {
-    match matrix
-        .outer_iterator()
-        .position(|row| row.iter().any(|(_, a)| !a.all_finite()))
-    {
+    match matrix.outer_iterator().position(|row| row.iter().any(|(_, a)| !a.all_finite())) {
         Some(row) => Err(KktError::NotFinite { block, row }),
         None => Ok(()),
     }
@@ -162,14 +137,5 @@ pub(crate) fn check_target<T: Scalar>(
 
 pub(crate) fn check_length(block: &'static str, expected: usize, actual: usize) -> Result<(), KktError> {
     let side = "rows";
-    if actual == expected {
-        Ok(())
-    } else {
-        Err(KktError::ShapeMismatch {
-            block,
-            side,
-            expected,
-            actual,
-        })
-    }
+    if actual == expected { Ok(()) } else { Err(KktError::ShapeMismatch { block, side, expected, actual }) }
 }

@@ -57,10 +57,7 @@ fn dual_active_set(qp: &BoundedQp) -> Result<BoundedSolution, BoundsError> {
                 return Err(step.infeasible(row, &active));
             }
             x += &step.direction * if step.full_length.is_finite() { length } else { 0.0 };
-            multipliers
-                .iter_mut()
-                .zip(&step.relief)
-                .for_each(|(u, r)| *u -= length * r);
+            multipliers.iter_mut().zip(&step.relief).for_each(|(u, r)| *u -= length * r);
             multiplier += length;
             match blocking {
                 Some((k, _)) if blocked_at < step.full_length => {
@@ -73,12 +70,7 @@ fn dual_active_set(qp: &BoundedQp) -> Result<BoundedSolution, BoundsError> {
         active.push(row);
         multipliers.push(multiplier);
     }
-    Ok(BoundedSolution {
-        x: x.as_slice().to_vec(),
-        active,
-        multipliers,
-        iterations,
-    })
+    Ok(BoundedSolution { x: x.as_slice().to_vec(), active, multipliers, iterations })
 }
 
 /// How `x` and the multipliers of the active rows move as the multiplier of a violated row grows.
@@ -102,34 +94,18 @@ impl Step {
         let missing = qp.lower_bounds[row] - normal.dot(x);
         let curvature = normal.dot(&direction);
         let least = CURVATURE_TOLERANCE * normal.norm_squared() / qp.hessian.amax();
-        let full_length = if curvature > least {
-            (missing / curvature).max(0.0)
-        } else {
-            f64::INFINITY
-        };
+        let full_length = if curvature > least { (missing / curvature).max(0.0) } else { f64::INFINITY };
         let (of_equalities, of_active) = relief.as_slice().split_at(equal);
         let (relief, equality_relief) = (of_active.to_vec(), of_equalities.to_vec());
-        Ok(Self {
-            direction,
-            relief,
-            equality_relief,
-            full_length,
-            missing,
-        })
+        Ok(Self { direction, relief, equality_relief, full_length, missing })
     }
 
     /// The active row whose multiplier reaches zero first, and when.
     fn blocking(&self, multipliers: &[f64]) -> Option<(usize, f64)> {
         let largest = self.relief.iter().fold(0.0_f64, |a, r| a.max(r.abs()));
         let falls = |r: f64| r > 1e-12 * largest;
-        let candidates = multipliers
-            .iter()
-            .zip(&self.relief)
-            .enumerate()
-            .filter(|(_, (_, r))| falls(**r));
-        candidates
-            .map(|(k, (u, r))| (k, u.max(0.0) / r))
-            .reduce(|a, b| if b.1 < a.1 { b } else { a })
+        let candidates = multipliers.iter().zip(&self.relief).enumerate().filter(|(_, (_, r))| falls(**r));
+        candidates.map(|(k, (u, r))| (k, u.max(0.0) / r)).reduce(|a, b| if b.1 < a.1 { b } else { a })
     }
 
     fn infeasible(&self, row: usize, active: &[usize]) -> BoundsError {
@@ -138,19 +114,8 @@ impl Step {
         let large = |(k, r): (usize, &f64)| (r.abs() > limit).then_some(k);
         BoundsError::Infeasible {
             row,
-            certificate: self
-                .relief
-                .iter()
-                .enumerate()
-                .filter_map(large)
-                .map(|k| active[k])
-                .collect(),
-            equalities: self
-                .equality_relief
-                .iter()
-                .enumerate()
-                .filter_map(large)
-                .collect(),
+            certificate: self.relief.iter().enumerate().filter_map(large).map(|k| active[k]).collect(),
+            equalities: self.equality_relief.iter().enumerate().filter_map(large).collect(),
             violation: self.missing,
         }
     }

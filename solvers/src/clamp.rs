@@ -11,28 +11,14 @@ pub(crate) fn clamp_and_repeat(qp: &BoundedQp) -> Result<BoundedSolution, Bounds
     let mut active: Vec<usize> = Vec::new();
     for iterations in 0..=qp.inequalities.nrows() {
         let held = independent_rows(qp, &active)?;
-        let targets = qp
-            .equality_targets
-            .iter()
-            .copied()
-            .chain(held.iter().map(|&row| qp.lower_bounds[row]));
+        let targets = qp.equality_targets.iter().copied().chain(held.iter().map(|&row| qp.lower_bounds[row]));
         let targets = DVector::from_vec(targets.collect());
         let (x, forces) = qp.solve_held(&held, &qp.linear, &targets)?;
-        let violated: Vec<usize> = (0..qp.inequalities.nrows())
-            .filter(|&row| qp.violation(row, &x).is_some())
-            .collect();
+        let violated: Vec<usize> =
+            (0..qp.inequalities.nrows()).filter(|&row| qp.violation(row, &x).is_some()).collect();
         if violated.is_empty() {
-            let multipliers = forces
-                .iter()
-                .skip(qp.equality_targets.len())
-                .map(|w| -w)
-                .collect();
-            return Ok(BoundedSolution {
-                x: x.as_slice().to_vec(),
-                active: held,
-                multipliers,
-                iterations,
-            });
+            let multipliers = forces.iter().skip(qp.equality_targets.len()).map(|w| -w).collect();
+            return Ok(BoundedSolution { x: x.as_slice().to_vec(), active: held, multipliers, iterations });
         }
         if let Some(&row) = violated.iter().find(|row| active.contains(row)) {
             let violation = qp.violation(row, &x).unwrap_or(0.0);
@@ -45,9 +31,7 @@ pub(crate) fn clamp_and_repeat(qp: &BoundedQp) -> Result<BoundedSolution, Bounds
         }
         active.extend(violated);
     }
-    Err(BoundsError::TooManyIterations {
-        limit: qp.inequalities.nrows(),
-    })
+    Err(BoundsError::TooManyIterations { limit: qp.inequalities.nrows() })
 }
 
 /// The clamped rows without those that repeat others.
@@ -55,48 +39,24 @@ fn independent_rows(qp: &BoundedQp, clamped: &[usize]) -> Result<Vec<usize>, Bou
     let equal = qp.equality_targets.len();
     let mut rows = RowMatrix::new(qp.linear.len());
     let mut push = |row: nalgebra::RowDVector<f64>| {
-        let terms: Vec<_> = row
-            .iter()
-            .copied()
-            .enumerate()
-            .filter(|&(_, a)| a != 0.0)
-            .collect();
+        let terms: Vec<_> = row.iter().copied().enumerate().filter(|&(_, a)| a != 0.0).collect();
         rows.push_row(&terms);
     };
     (0..equal).for_each(|k| push(qp.equalities.row(k).into_owned()));
-    clamped
-        .iter()
-        .for_each(|&k| push(qp.inequalities.row(k).into_owned()));
-    let targets: Vec<f64> = qp
-        .equality_targets
-        .iter()
-        .copied()
-        .chain(clamped.iter().map(|&k| qp.lower_bounds[k]))
-        .collect();
+    clamped.iter().for_each(|&k| push(qp.inequalities.row(k).into_owned()));
+    let targets: Vec<f64> =
+        qp.equality_targets.iter().copied().chain(clamped.iter().map(|&k| qp.lower_bounds[k])).collect();
     let scale = targets.iter().fold(0.0_f64, |a, b| a.max(b.abs()));
     let report = analyse_rank(&rows.to_csr());
     for dependency in &report.dependent {
         let violation = dependency.mismatch(&targets);
         if dependency.row >= equal && violation > 1e-9 * scale {
-            let others = dependency
-                .certificate()
-                .into_iter()
-                .filter(|&k| k != dependency.row);
+            let others = dependency.certificate().into_iter().filter(|&k| k != dependency.row);
             let (equalities, certificate): (Vec<_>, Vec<_>) = others.partition(|&k| k < equal);
             let certificate = certificate.into_iter().map(|k| clamped[k - equal]).collect();
             let row = clamped[dependency.row - equal];
-            return Err(BoundsError::Infeasible {
-                row,
-                certificate,
-                equalities,
-                violation,
-            });
+            return Err(BoundsError::Infeasible { row, certificate, equalities, violation });
         }
     }
-    Ok(report
-        .independent
-        .into_iter()
-        .filter(|&k| k >= equal)
-        .map(|k| clamped[k - equal])
-        .collect())
+    Ok(report.independent.into_iter().filter(|&k| k >= equal).map(|k| clamped[k - equal]).collect())
 }

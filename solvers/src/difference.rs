@@ -91,22 +91,12 @@ pub fn node_bounds(
     Ok(upper
         .into_iter()
         .zip(lower)
-        .map(|(upper, to_origin)| NodeBounds {
-            lower: -to_origin,
-            upper,
-        })
+        .map(|(upper, to_origin)| NodeBounds { lower: -to_origin, upper })
         .collect())
 }
 
 fn check(node_count: usize, differences: &[Difference]) -> Result<(), DifferenceError> {
-    for &Difference {
-        from,
-        to,
-        lower,
-        upper,
-        id,
-    } in differences
-    {
+    for &Difference { from, to, lower, upper, id } in differences {
         if let Some(node) = [from, to].into_iter().find(|&node| node >= node_count) {
             return Err(DifferenceError::NodeOutOfRange { id, node, node_count });
         }
@@ -134,53 +124,21 @@ struct Graph {
 
 impl Graph {
     fn new(node_count: usize, differences: &[Difference]) -> Self {
-        let sides = differences.iter().flat_map(
-            |&Difference {
-                 from,
-                 to,
-                 lower,
-                 upper,
-                 id,
-             }| {
-                [
-                    Edge {
-                        from,
-                        to,
-                        weight: upper,
-                        id,
-                    },
-                    Edge {
-                        from: to,
-                        to: from,
-                        weight: -lower,
-                        id,
-                    },
-                ]
-            },
-        );
+        let sides = differences.iter().flat_map(|&Difference { from, to, lower, upper, id }| {
+            [Edge { from, to, weight: upper, id }, Edge { from: to, to: from, weight: -lower, id }]
+        });
         Self::of_edges(node_count, sides.filter(|edge| edge.weight.is_finite()).collect())
     }
 
     fn of_edges(node_count: usize, edges: Vec<Edge>) -> Self {
         let mut leaving = vec![Vec::new(); node_count];
-        edges
-            .iter()
-            .enumerate()
-            .for_each(|(index, edge)| leaving[edge.from].push(index));
+        edges.iter().enumerate().for_each(|(index, edge)| leaving[edge.from].push(index));
         let largest = edges.iter().map(|edge| edge.weight.abs()).fold(0.0, f64::max);
-        Self {
-            edges,
-            leaving,
-            tolerance: RELATIVE_TOLERANCE * largest,
-        }
+        Self { edges, leaving, tolerance: RELATIVE_TOLERANCE * largest }
     }
 
     fn reversed(&self) -> Self {
-        let turn = |edge: &Edge| Edge {
-            from: edge.to,
-            to: edge.from,
-            ..*edge
-        };
+        let turn = |edge: &Edge| Edge { from: edge.to, to: edge.from, ..*edge };
         Self::of_edges(self.leaving.len(), self.edges.iter().map(turn).collect())
     }
 
@@ -263,27 +221,13 @@ mod tests {
 
     /// A track of 31 instants: every gap in [.01, .05] (ids 0 to 29).
     fn track() -> Vec<Difference> {
-        (0..30)
-            .map(|i| Difference {
-                from: i,
-                to: i + 1,
-                lower: 0.01,
-                upper: 0.05,
-                id: i,
-            })
-            .collect()
+        (0..30).map(|i| Difference { from: i, to: i + 1, lower: 0.01, upper: 0.05, id: i }).collect()
     }
 
     #[test]
     fn duration_too_long_for_its_gaps_names_them_all() {
         let mut differences = track();
-        differences.push(Difference {
-            from: 0,
-            to: 30,
-            lower: 2.0,
-            upper: 2.0,
-            id: 99,
-        });
+        differences.push(Difference { from: 0, to: 30, lower: 2.0, upper: 2.0, id: 99 });
         let Err(DifferenceError::Contradiction { mut ids, deficit }) = node_bounds(31, 0, &differences)
         else {
             panic!("30 gaps of at most .05 s do not make 2 s")
@@ -296,13 +240,7 @@ mod tests {
     #[test]
     fn possible_durations_leave_admissible_intervals() {
         let mut differences = track();
-        differences.push(Difference {
-            from: 0,
-            to: 30,
-            lower: 1.5,
-            upper: 1.5,
-            id: 99,
-        });
+        differences.push(Difference { from: 0, to: 30, lower: 1.5, upper: 1.5, id: 99 });
         let bounds = node_bounds(31, 0, &differences).expect("exactly the longest gaps");
         assert!((bounds[10].lower - 0.5).abs() < RELAXED && (bounds[10].upper - 0.5).abs() < RELAXED);
         let bounds = node_bounds(31, 0, &track()).expect("nothing contradicts");
@@ -311,18 +249,9 @@ mod tests {
 
     #[test]
     fn contradictions_out_of_reach_are_found() {
-        let step = |from, to, lower, id| Difference {
-            from,
-            to,
-            lower,
-            upper: f64::INFINITY,
-            id,
-        };
+        let step = |from, to, lower, id| Difference { from, to, lower, upper: f64::INFINITY, id };
         let differences = [step(1, 2, 1.0, 7), step(2, 1, -0.75, 8)];
-        let expected = DifferenceError::Contradiction {
-            ids: vec![7, 8],
-            deficit: 0.25,
-        };
+        let expected = DifferenceError::Contradiction { ids: vec![7, 8], deficit: 0.25 };
         let Err(DifferenceError::Contradiction { mut ids, deficit }) = node_bounds(4, 0, &differences) else {
             panic!("expected {expected:?}")
         };
@@ -330,45 +259,23 @@ mod tests {
         assert_eq!(DifferenceError::Contradiction { ids, deficit }, expected);
         assert_eq!(
             node_bounds(4, 0, &[]).expect("free")[3],
-            NodeBounds {
-                lower: f64::NEG_INFINITY,
-                upper: f64::INFINITY
-            }
+            NodeBounds { lower: f64::NEG_INFINITY, upper: f64::INFINITY }
         );
     }
 
     #[test]
     fn empty_intervals_and_bad_input_are_refused() {
-        let difference = Difference {
-            from: 0,
-            to: 1,
-            lower: 1.0,
-            upper: 0.5,
-            id: 3,
-        };
+        let difference = Difference { from: 0, to: 1, lower: 1.0, upper: 0.5, id: 3 };
         assert_eq!(
             node_bounds(2, 0, &[difference]),
-            Err(DifferenceError::Contradiction {
-                ids: vec![3],
-                deficit: 0.5
-            })
+            Err(DifferenceError::Contradiction { ids: vec![3], deficit: 0.5 })
         );
-        let spoilt = Difference {
-            lower: f64::NAN,
-            ..difference
-        };
-        assert_eq!(
-            node_bounds(2, 0, &[spoilt]),
-            Err(DifferenceError::NotANumber { id: 3 })
-        );
+        let spoilt = Difference { lower: f64::NAN, ..difference };
+        assert_eq!(node_bounds(2, 0, &[spoilt]), Err(DifferenceError::NotANumber { id: 3 }));
         let spoilt = Difference { to: 2, ..difference };
         assert_eq!(
             node_bounds(2, 0, &[spoilt]),
-            Err(DifferenceError::NodeOutOfRange {
-                id: 3,
-                node: 2,
-                node_count: 2
-            })
+            Err(DifferenceError::NodeOutOfRange { id: 3, node: 2, node_count: 2 })
         );
     }
 

@@ -91,13 +91,9 @@ pub fn analyse<T: Scalar>(problem: &LeastSquares<T>, form: KktForm) -> Result<An
     let (soft, hard) = (stretched.soft.to_csr(), stretched.hard.to_csr());
     let scales = (vec![1.0; soft.rows()], vec![1.0; hard.rows()]);
     let mut positions = Vec::new();
-    visit_entries(
-        form,
-        layout,
-        (&soft, &scales.0),
-        (&hard, &scales.1),
-        |position, _| positions.push(position),
-    );
+    visit_entries(form, layout, (&soft, &scales.0), (&hard, &scales.1), |position, _| {
+        positions.push(position)
+    });
     let assembly = Assembly::new(layout.size, &positions);
     let order = LuOrder::new(&assembly.pattern).map_err(|_| KktError::Singular)?;
     Ok(Analysis(Arc::new(Plan {
@@ -138,9 +134,7 @@ impl Analysis {
         let (soft_scales, hard_scales) = (row_scales(&soft), row_scales(&hard));
         let mut data = Vec::new();
         let blocks = ((&soft, soft_scales.as_slice()), (&hard, hard_scales.as_slice()));
-        visit_entries(plan.form, plan.layout, blocks.0, blocks.1, |_, value| {
-            data.push(value)
-        });
+        visit_entries(plan.form, plan.layout, blocks.0, blocks.1, |_, value| data.push(value));
         let values = plan.assembly.values(&data);
         let lu =
             RefinedLu::new(&plan.assembly.pattern, &plan.order, values).map_err(|_| KktError::Singular)?;
@@ -186,17 +180,10 @@ impl<T: Scalar> Factor<T> {
         check_length("x", self.plan.columns, x.len())?;
         let scale = self.fill_right_hand_side(m, h, &mut workspace.right_hand_side);
         let Layout { unknowns, .. } = self.plan.layout;
-        let Workspace {
-            right_hand_side,
-            unknowns: u,
-            scratch,
-            ..
-        } = workspace;
+        let Workspace { right_hand_side, unknowns: u, scratch, .. } = workspace;
         let watched = unknowns..unknowns + self.plan.columns;
         let pattern = &self.plan.assembly.pattern;
-        let refinement = self
-            .lu
-            .solve(pattern, (right_hand_side, u), watched.clone(), scratch);
+        let refinement = self.lu.solve(pattern, (right_hand_side, u), watched.clone(), scratch);
         let relative_residual = self.check_solution(scale, workspace)?;
         x.copy_from_slice(&workspace.unknowns[watched]);
         self.read_multipliers(workspace);
@@ -211,20 +198,12 @@ impl<T: Scalar> Factor<T> {
         let mut workspace = self.workspace();
         let mut x = vec![T::zero(); self.plan.columns];
         let report = self.solve_into(m, h, &mut x, &mut workspace)?;
-        Ok(Solution {
-            x,
-            multipliers: workspace.multipliers,
-            report,
-        })
+        Ok(Solution { x, multipliers: workspace.multipliers, report })
     }
 
     /// Writes the right-hand side and returns its scale: the largest scaled target.
     fn fill_right_hand_side(&self, m: &[T], h: &[T], out: &mut [T]) -> f64 {
-        let Layout {
-            unknowns,
-            multipliers,
-            ..
-        } = self.plan.layout;
+        let Layout { unknowns, multipliers, .. } = self.plan.layout;
         out.fill(T::zero());
         let mut scale = 0.0_f64;
         for (i, (&m_i, &d)) in m.iter().zip(&self.soft_scales).enumerate() {
@@ -235,8 +214,7 @@ impl<T: Scalar> Factor<T> {
         }
         if self.plan.form == KktForm::NormalEquations {
             for (row, &m_i) in self.stretched_soft.outer_iterator().zip(m) {
-                row.iter()
-                    .for_each(|(j, &a)| out[unknowns + j] += a.conjugate() * m_i);
+                row.iter().for_each(|(j, &a)| out[unknowns + j] += a.conjugate() * m_i);
             }
         }
         for (&row, &h_i) in self.plan.hard_rows.iter().zip(h) {
@@ -247,22 +225,12 @@ impl<T: Scalar> Factor<T> {
     }
     /// Relative residual of the scaled system, if it is small enough.
     fn check_solution(&self, scale: f64, workspace: &mut Workspace<T>) -> Result<f64, KktError> {
-        let Layout {
-            unknowns,
-            multipliers,
-            ..
-        } = self.plan.layout;
-        let Workspace {
-            right_hand_side: b,
-            unknowns: u,
-            residual,
-            ..
-        } = workspace;
+        let Layout { unknowns, multipliers, .. } = self.plan.layout;
+        let Workspace { right_hand_side: b, unknowns: u, residual, .. } = workspace;
         if !u.iter().all(|u_i| u_i.all_finite()) {
             return Err(KktError::SolutionNotFinite);
         }
-        self.lu
-            .residual_into(&self.plan.assembly.pattern, (b, u), residual);
+        self.lu.residual_into(&self.plan.assembly.pattern, (b, u), residual);
         let rows = largest(&residual[..unknowns]).max(largest(&residual[multipliers..]));
         let forces = [&u[..unknowns], &u[multipliers..], &b[unknowns..multipliers]].map(largest);
         let gradient_scale = forces.into_iter().fold(scale, f64::max);
@@ -271,10 +239,7 @@ impl<T: Scalar> Factor<T> {
         if relative <= ALLOWED_RESIDUAL {
             Ok(relative)
         } else {
-            Err(KktError::Residual {
-                relative,
-                allowed: ALLOWED_RESIDUAL,
-            })
+            Err(KktError::Residual { relative, allowed: ALLOWED_RESIDUAL })
         }
     }
 
@@ -299,14 +264,10 @@ impl<T: Scalar> Factor<T> {
         let energy = match self.plan.form {
             KktForm::Hachtel => {
                 let squares = workspace.unknowns.iter().zip(&self.soft_scales);
-                0.5 * squares
-                    .map(|(s, d)| s.scale(ALPHA * d).modulus_squared())
-                    .sum::<f64>()
+                0.5 * squares.map(|(s, d)| s.scale(ALPHA * d).modulus_squared()).sum::<f64>()
             }
             KktForm::NormalEquations => {
-                0.5 * row_residuals(&self.problem.soft, x, m)
-                    .map(|r| r.modulus_squared())
-                    .sum::<f64>()
+                0.5 * row_residuals(&self.problem.soft, x, m).map(|r| r.modulus_squared()).sum::<f64>()
             }
         };
         SolveReport {

@@ -66,17 +66,9 @@ impl LuOrder {
         let scratch = colamd::order_scratch::<usize>(size, size, pattern.row_indices.len());
         let mut memory = MemBuffer::try_new(scratch).map_err(|_| NoFactor)?;
         let stack = MemStack::new(&mut memory);
-        colamd::order(
-            &mut forward,
-            &mut inverse,
-            matrix,
-            colamd::Control::default(),
-            stack,
-        )
-        .map_err(|_| NoFactor)?;
-        Ok(Self {
-            columns: Perm::new_checked(forward.into(), inverse.into(), size),
-        })
+        colamd::order(&mut forward, &mut inverse, matrix, colamd::Control::default(), stack)
+            .map_err(|_| NoFactor)?;
+        Ok(Self { columns: Perm::new_checked(forward.into(), inverse.into(), size) })
     }
 
     /// Factors the matrix with these entries, in the order of the pattern this was made for.
@@ -100,22 +92,14 @@ impl LuOrder {
         )
         .map_err(|_| NoFactor)?;
         let rows = Perm::new_checked(forward.into(), inverse.into(), size);
-        Ok(Lu {
-            columns: self.columns.clone(),
-            rows,
-            factors,
-        })
+        Ok(Lu { columns: self.columns.clone(), rows, factors })
     }
 }
 
 impl<T: Element> Lu<T> {
     /// Memory for [`Lu::solve_in_place`].
     pub(crate) fn scratch(&self) -> LuScratch {
-        LuScratch(MemBuffer::new(solve_in_place_scratch::<usize, T>(
-            self.rows.len(),
-            1,
-            Par::Seq,
-        )))
+        LuScratch(MemBuffer::new(solve_in_place_scratch::<usize, T>(self.rows.len(), 1, Par::Seq)))
     }
 
     /// Replaces `b` by the solution of `K x = b`. Garbage if `K` is singular.
@@ -133,10 +117,6 @@ impl<T: Element> Lu<T> {
 }
 
 fn symbolic(pattern: &ColumnPattern) -> SymbolicSparseColMatRef<'_, usize> {
-    let ColumnPattern {
-        size,
-        column_starts,
-        row_indices,
-    } = pattern;
+    let ColumnPattern { size, column_starts, row_indices } = pattern;
     SymbolicSparseColMatRef::new_checked(*size, *size, column_starts, None, row_indices)
 }

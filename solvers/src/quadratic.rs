@@ -73,10 +73,7 @@ impl BoundedQp {
         let size = n + equal + held.len();
         let mut kkt = DMatrix::zeros(size, size);
         kkt.view_mut((0, 0), (n, n)).copy_from(&self.hessian);
-        let rows = self
-            .equalities
-            .row_iter()
-            .chain(held.iter().map(|&row| self.inequalities.row(row)));
+        let rows = self.equalities.row_iter().chain(held.iter().map(|&row| self.inequalities.row(row)));
         for (k, row) in rows.enumerate() {
             kkt.view_mut((n + k, 0), (1, n)).copy_from(&row);
             kkt.view_mut((0, n + k), (n, 1)).copy_from(&row.transpose());
@@ -101,25 +98,13 @@ impl BoundedQp {
 pub(crate) fn check(qp: &BoundedQp) -> Result<(), BoundsError> {
     let n = qp.linear.len();
     check_block("G", &qp.hessian, (n, n), f64::is_finite)?;
-    check_block(
-        "A",
-        &qp.equalities,
-        (qp.equality_targets.len(), n),
-        f64::is_finite,
-    )?;
+    check_block("A", &qp.equalities, (qp.equality_targets.len(), n), f64::is_finite)?;
     check_block("C", &qp.inequalities, (qp.lower_bounds.len(), n), f64::is_finite)?;
     let column = |v: &DVector<f64>| DMatrix::from_column_slice(v.len(), 1, v.as_slice());
     check_block("g", &column(&qp.linear), (n, 1), f64::is_finite)?;
-    check_block(
-        "b",
-        &column(&qp.equality_targets),
-        (qp.equality_targets.len(), 1),
-        f64::is_finite,
-    )?;
+    check_block("b", &column(&qp.equality_targets), (qp.equality_targets.len(), 1), f64::is_finite)?;
     let bounds = column(&qp.lower_bounds);
-    check_block("d", &bounds, (qp.lower_bounds.len(), 1), |d| {
-        d.is_finite() || d == f64::NEG_INFINITY
-    })
+    check_block("d", &bounds, (qp.lower_bounds.len(), 1), |d| d.is_finite() || d == f64::NEG_INFINITY)
 }
 
 fn check_block(
@@ -130,13 +115,7 @@ fn check_block(
 ) -> Result<(), BoundsError> {
     let (actual_rows, actual_columns) = matrix.shape();
     if (actual_rows, actual_columns) != (rows, columns) {
-        return Err(BoundsError::ShapeMismatch {
-            block,
-            rows,
-            columns,
-            actual_rows,
-            actual_columns,
-        });
+        return Err(BoundsError::ShapeMismatch { block, rows, columns, actual_rows, actual_columns });
     }
     match matrix.row_iter().position(|row| !row.iter().all(|&a| allowed(a))) {
         Some(row) => Err(BoundsError::NotFinite { block, row }),

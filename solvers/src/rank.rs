@@ -34,19 +34,12 @@ impl<T: Scalar> Dependency<T> {
     /// `|Σ y_k h_k|`: zero if the rows with these targets agree, else the amount by which they contradict each other.
     /// The other rows given, it is what the target of [`row`](Self::row) misses.
     pub fn mismatch(&self, h: &[T]) -> f64 {
-        self.combination
-            .iter()
-            .fold(T::zero(), |sum, &(k, y)| sum + y * h[k])
-            .modulus()
+        self.combination.iter().fold(T::zero(), |sum, &(k, y)| sum + y * h[k]).modulus()
     }
 
     /// Rows that take part, by rising index: without any one of them the others are independent.
     pub fn certificate(&self) -> Vec<usize> {
-        let largest = self
-            .combination
-            .iter()
-            .map(|(_, y)| y.modulus())
-            .fold(0.0, f64::max);
+        let largest = self.combination.iter().map(|(_, y)| y.modulus()).fold(0.0, f64::max);
         let counts = |&&(_, y): &&(usize, T)| y.modulus() > CERTIFICATE_TOLERANCE * largest;
         self.combination.iter().filter(counts).map(|&(k, _)| k).collect()
     }
@@ -64,10 +57,7 @@ impl<T: Scalar> Dependency<T> {
 /// If `hard` is compressed by columns.
 pub fn analyse_rank<T: Scalar>(hard: &CsMat<T>) -> RankReport<T> {
     assert!(hard.is_csr(), "matrix is compressed by columns");
-    let mut report = RankReport {
-        independent: Vec::new(),
-        dependent: Vec::new(),
-    };
+    let mut report = RankReport { independent: Vec::new(), dependent: Vec::new() };
     let mut basis = Basis::new(hard);
     for (index, row) in hard.outer_iterator().enumerate() {
         let mut rest: Sparse<T> = row.iter().map(|(j, &a)| (j, a)).collect();
@@ -78,10 +68,7 @@ pub fn analyse_rank<T: Scalar>(hard: &CsMat<T>) -> RankReport<T> {
             report.independent.push(index);
             basis.push(index, rest, used);
         } else {
-            report.dependent.push(Dependency {
-                row: index,
-                combination: basis.combination(index, &used),
-            });
+            report.dependent.push(Dependency { row: index, combination: basis.combination(index, &used) });
         }
     }
     report
@@ -109,11 +96,7 @@ impl<T: Scalar> Basis<T> {
     fn new(hard: &CsMat<T>) -> Self {
         let mut column_counts = vec![0; hard.cols()];
         hard.indices().iter().for_each(|&j| column_counts[j] += 1);
-        Self {
-            rows: Vec::new(),
-            row_of_pivot: vec![None; hard.cols()],
-            column_counts,
-        }
+        Self { rows: Vec::new(), row_of_pivot: vec![None; hard.cols()], column_counts }
     }
 
     /// Eliminates the pivots of the basis from a row and returns the multiples of basis rows taken off. Entries down
@@ -143,17 +126,10 @@ impl<T: Scalar> Basis<T> {
     fn push(&mut self, given: usize, entries: Sparse<T>, used: Vec<(usize, T)>) {
         let largest = entries.values().map(|a| a.modulus()).fold(0.0, f64::max);
         let candidates = entries.iter().filter(|(_, a)| a.modulus() >= 0.5 * largest);
-        let (&pivot_column, &pivot) = candidates
-            .min_by_key(|&(&j, _)| self.column_counts[j])
-            .expect("an independent row has entries");
+        let (&pivot_column, &pivot) =
+            candidates.min_by_key(|&(&j, _)| self.column_counts[j]).expect("an independent row has entries");
         self.row_of_pivot[pivot_column] = Some(self.rows.len());
-        self.rows.push(Echelon {
-            given,
-            pivot,
-            pivot_column,
-            entries,
-            used,
-        });
+        self.rows.push(Echelon { given, pivot, pivot_column, entries, used });
     }
 
     /// Given rows behind `row − Σ factor · basis row`, by rising index.
@@ -224,11 +200,7 @@ impl<T: Scalar> Rotation<T> {
         let zeta = (b_sq - a_sq) / (2.0 * size);
         let tangent = zeta.signum() / (zeta.abs() + zeta.hypot(1.0));
         let cosine = 1.0 / tangent.hypot(1.0);
-        Some(Self {
-            phase: product.conjugate().unscale(size),
-            cosine,
-            sine: cosine * tangent,
-        })
+        Some(Self { phase: product.conjugate().unscale(size), cosine, sine: cosine * tangent })
     }
 
     fn apply(&self, matrix: &mut DMatrix<T>, p: usize, q: usize) {
@@ -330,13 +302,7 @@ mod tests {
         let complex = DMatrix::from_row_slice(1, 2, &[c64::new(1.0, 1.0), c64::new(0.0, 2.0)]);
         let free = null_space(&complex, 1e-9);
         assert!(free.ncols() == 1 && (&complex * &free).camax() < 1e-15);
-        assert_eq!(
-            null_space(&DMatrix::<f64>::zeros(0, 3), 1e-9),
-            DMatrix::identity(3, 3)
-        );
-        assert_eq!(
-            null_space(&DMatrix::<c64>::zeros(5, 2), 1e-9),
-            DMatrix::identity(2, 2)
-        );
+        assert_eq!(null_space(&DMatrix::<f64>::zeros(0, 3), 1e-9), DMatrix::identity(3, 3));
+        assert_eq!(null_space(&DMatrix::<c64>::zeros(5, 2), 1e-9), DMatrix::identity(2, 2));
     }
 }

@@ -51,10 +51,7 @@ impl<T: Scalar> RefinedLu<T> {
 
     /// Memory for solves.
     pub(crate) fn scratch(&self, size: usize) -> RefineScratch<T> {
-        RefineScratch {
-            residual: vec![T::zero(); size],
-            lu: self.lu.scratch(),
-        }
+        RefineScratch { residual: vec![T::zero(); size], lu: self.lu.scratch() }
     }
 
     /// Solves `K x = b`. `watched`: the unknowns whose accuracy decides how often to refine. The solution may still be
@@ -68,10 +65,7 @@ impl<T: Scalar> RefinedLu<T> {
     ) -> Refinement {
         x.copy_from_slice(b);
         self.lu.solve_in_place(x, &mut scratch.lu);
-        let mut done = Refinement {
-            steps: 0,
-            last_correction: f64::INFINITY,
-        };
+        let mut done = Refinement { steps: 0, last_correction: f64::INFINITY };
         while done.last_correction > CORRECTION_GOAL && done.steps <= MOST_COMPENSATED_STEPS {
             let size = largest(&x[watched.clone()]);
             if !size.is_finite() {
@@ -85,21 +79,12 @@ impl<T: Scalar> RefinedLu<T> {
             self.lu.solve_in_place(&mut scratch.residual, &mut scratch.lu);
             let correction = relative_to(largest(&scratch.residual[watched.clone()]), size);
             // The first compensated step may well be as large as the plain one; from then on each must halve it.
-            let to_beat = if done.steps < 2 {
-                f64::MAX
-            } else {
-                0.5 * done.last_correction
-            };
+            let to_beat = if done.steps < 2 { f64::MAX } else { 0.5 * done.last_correction };
             if correction.is_nan() || correction > to_beat {
                 break;
             }
-            x.iter_mut()
-                .zip(&scratch.residual)
-                .for_each(|(x_i, &d_i)| *x_i += d_i);
-            done = Refinement {
-                steps: done.steps + 1,
-                last_correction: correction,
-            };
+            x.iter_mut().zip(&scratch.residual).for_each(|(x_i, &d_i)| *x_i += d_i);
+            done = Refinement { steps: done.steps + 1, last_correction: correction };
         }
         done
     }
@@ -109,10 +94,7 @@ impl<T: Scalar> RefinedLu<T> {
         for (i, out_i) in out.iter_mut().enumerate() {
             let entries = pattern.column_starts[i]..pattern.column_starts[i + 1];
             let mut sum = b[i];
-            for (&j, &k_ji) in pattern.row_indices[entries.clone()]
-                .iter()
-                .zip(&self.values[entries])
-            {
+            for (&j, &k_ji) in pattern.row_indices[entries.clone()].iter().zip(&self.values[entries]) {
                 sum -= k_ji.conjugate() * x[j];
             }
             *out_i = sum;
@@ -123,14 +105,8 @@ impl<T: Scalar> RefinedLu<T> {
     fn compensated_residual_into(&self, pattern: &ColumnPattern, (b, x): (&[T], &[T]), out: &mut [T]) {
         for (i, out_i) in out.iter_mut().enumerate() {
             let entries = pattern.column_starts[i]..pattern.column_starts[i + 1];
-            let mut sum = TwoPart {
-                high: b[i],
-                low: T::zero(),
-            };
-            for (&j, &k_ji) in pattern.row_indices[entries.clone()]
-                .iter()
-                .zip(&self.values[entries])
-            {
+            let mut sum = TwoPart { high: b[i], low: T::zero() };
+            for (&j, &k_ji) in pattern.row_indices[entries.clone()].iter().zip(&self.values[entries]) {
                 T::add_product(&mut sum, -k_ji.conjugate(), x[j]);
             }
             *out_i = sum.high;
@@ -149,11 +125,7 @@ impl<T: Scalar> RefinedLu<T> {
         }
         self.residual_into(pattern, (&b, &x), &mut scratch.residual);
         self.lu.solve_in_place(&mut scratch.residual, &mut scratch.lu);
-        if relative_to(largest(&scratch.residual), size) < PROBE_CONTRACTION {
-            Ok(())
-        } else {
-            Err(NoFactor)
-        }
+        if relative_to(largest(&scratch.residual), size) < PROBE_CONTRACTION { Ok(()) } else { Err(NoFactor) }
     }
 }
 
@@ -161,11 +133,7 @@ impl<T: Scalar> RefinedLu<T> {
 pub(crate) fn largest<T: Scalar>(x: &[T]) -> f64 {
     x.iter().fold(0.0, |largest: f64, x_i| {
         let modulus = x_i.modulus();
-        if modulus > largest || modulus.is_nan() {
-            modulus
-        } else {
-            largest
-        }
+        if modulus > largest || modulus.is_nan() { modulus } else { largest }
     })
 }
 

@@ -39,10 +39,7 @@ impl Scalar for Complex64 {
         let (re, re_low) = plus_product(re, re_low, -a.im, b.im);
         let (im, im_low) = plus_product(sum.high.im, sum.low.im, a.re, b.im);
         let (im, im_low) = plus_product(im, im_low, a.im, b.re);
-        *sum = TwoPart {
-            high: Complex64::new(re, im),
-            low: Complex64::new(re_low, im_low),
-        };
+        *sum = TwoPart { high: Complex64::new(re, im), low: Complex64::new(re_low, im_low) };
     }
 
     fn all_finite(self) -> bool {

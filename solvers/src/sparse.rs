@@ -24,12 +24,7 @@ pub struct RowMatrix<T> {
 impl<T: Scalar> RowMatrix<T> {
     /// A matrix of no rows yet.
     pub fn new(columns: usize) -> Self {
-        Self {
-            columns,
-            row_starts: vec![0],
-            indices: Vec::new(),
-            values: Vec::new(),
-        }
+        Self { columns, row_starts: vec![0], indices: Vec::new(), values: Vec::new() }
     }
 
     /// Columns, fixed from the start.
@@ -50,11 +45,7 @@ impl<T: Scalar> RowMatrix<T> {
     pub fn push_row(&mut self, terms: &[(usize, T)]) -> usize {
         let start = self.indices.len();
         for &(column, value) in terms {
-            assert!(
-                column < self.columns,
-                "column {column} of a matrix of {} columns",
-                self.columns
-            );
+            assert!(column < self.columns, "column {column} of a matrix of {} columns", self.columns);
             match self.indices[start..].binary_search(&column) {
                 Ok(at) => self.values[start + at] += value,
                 Err(at) => {
@@ -84,9 +75,7 @@ impl<T: Scalar> RowMatrix<T> {
 /// If `a` is compressed by columns, or `x` is shorter than a row of `a`.
 pub fn multiply<T: Scalar>(a: &CsMat<T>, x: &[T]) -> Vec<T> {
     assert!(a.is_csr(), "matrix is compressed by columns");
-    a.outer_iterator()
-        .map(|row| row.iter().fold(T::zero(), |sum, (j, &a_ij)| sum + a_ij * x[j]))
-        .collect()
+    a.outer_iterator().map(|row| row.iter().fold(T::zero(), |sum, (j, &a_ij)| sum + a_ij * x[j])).collect()
 }
 
 /// Pattern of a square matrix compressed by columns, with the place of every datum that goes into it.
@@ -117,14 +106,7 @@ impl Assembly {
         for column in 0..size {
             column_starts[column + 1] += column_starts[column];
         }
-        Self {
-            pattern: ColumnPattern {
-                size,
-                column_starts,
-                row_indices,
-            },
-            slots,
-        }
+        Self { pattern: ColumnPattern { size, column_starts, row_indices }, slots }
     }
 
     /// Stored values of the matrix made of `data`, in the order of the positions.

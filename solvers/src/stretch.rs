@@ -41,11 +41,8 @@ pub(crate) struct Stretched<T> {
 pub(crate) fn stretch<T: Scalar>(problem: &LeastSquares<T>) -> Stretched<T> {
     let rows = problem.soft.outer_iterator().chain(problem.hard.outer_iterator());
     let columns = problem.columns + rows.map(|row| cuts(row.nnz())).sum::<usize>();
-    let mut stretched = Stretched {
-        soft: RowMatrix::new(columns),
-        hard: RowMatrix::new(columns),
-        hard_rows: Vec::new(),
-    };
+    let mut stretched =
+        Stretched { soft: RowMatrix::new(columns), hard: RowMatrix::new(columns), hard_rows: Vec::new() };
     let mut next_column = problem.columns;
     let mut terms = Vec::new();
     for row in problem.soft.outer_iterator() {
@@ -66,11 +63,7 @@ pub(crate) fn stretch<T: Scalar>(problem: &LeastSquares<T>) -> Stretched<T> {
 
 /// New unknowns of a row.
 fn cuts(entries: usize) -> usize {
-    if entries > LONGEST_ROW {
-        entries.div_ceil(PIECE) - 1
-    } else {
-        0
-    }
+    if entries > LONGEST_ROW { entries.div_ceil(PIECE) - 1 } else { 0 }
 }
 
 /// Moves all pieces of a row but the last to `hard`, and leaves the last in `terms`.
@@ -95,11 +88,7 @@ fn cut_row<T: Scalar>(terms: &mut Vec<(usize, T)>, hard: &mut RowMatrix<T>, next
 /// The largest power of two that is not above `x`; 1 for zero, subnormal, infinite and undefined numbers.
 pub(crate) fn power_of_two_below(x: f64) -> f64 {
     const EXPONENT_BITS: u64 = 0x7ff0_0000_0000_0000;
-    if x.is_normal() {
-        f64::from_bits(x.to_bits() & EXPONENT_BITS)
-    } else {
-        1.0
-    }
+    if x.is_normal() { f64::from_bits(x.to_bits() & EXPONENT_BITS) } else { 1.0 }
 }
 
 #[cfg(test)]
@@ -111,11 +100,7 @@ mod tests {
         let mut rows = RowMatrix::new(LONGEST_ROW);
         rows.push_row(&(0..LONGEST_ROW).map(|j| (j, 1.0)).collect::<Vec<_>>());
         let soft = rows.to_csr();
-        let problem = LeastSquares {
-            columns: LONGEST_ROW,
-            hard: RowMatrix::new(LONGEST_ROW).to_csr(),
-            soft,
-        };
+        let problem = LeastSquares { columns: LONGEST_ROW, hard: RowMatrix::new(LONGEST_ROW).to_csr(), soft };
         let stretched = stretch(&problem);
         assert_eq!(stretched.soft.to_csr(), problem.soft);
         assert_eq!(stretched.hard.rows(), 0);
@@ -126,11 +111,8 @@ mod tests {
         let columns = 30;
         let mut rows = RowMatrix::new(columns);
         rows.push_row(&(0..columns).map(|j| (j, 3.0)).collect::<Vec<_>>());
-        let problem = LeastSquares {
-            columns,
-            soft: RowMatrix::<f64>::new(columns).to_csr(),
-            hard: rows.to_csr(),
-        };
+        let problem =
+            LeastSquares { columns, soft: RowMatrix::<f64>::new(columns).to_csr(), hard: rows.to_csr() };
         let stretched = stretch(&problem);
         let hard = stretched.hard.to_csr();
         assert_eq!((hard.rows(), hard.cols(), stretched.hard_rows), (4, 33, vec![3]));

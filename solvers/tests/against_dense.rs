@@ -27,19 +27,13 @@ fn assemble(rows: &[Row]) -> (RowMatrix<f64>, DMatrix<f64>) {
 fn dense_minimiser(m: (&DMatrix<f64>, &DVector<f64>), h: (&DMatrix<f64>, &DVector<f64>)) -> DVector<f64> {
     let size = COLUMNS + h.0.nrows();
     let mut kkt = DMatrix::zeros(size, size);
-    kkt.view_mut((0, 0), (COLUMNS, COLUMNS))
-        .copy_from(&(m.0.transpose() * m.0));
+    kkt.view_mut((0, 0), (COLUMNS, COLUMNS)).copy_from(&(m.0.transpose() * m.0));
     kkt.view_mut((COLUMNS, 0), h.0.shape()).copy_from(h.0);
-    kkt.view_mut((0, COLUMNS), (COLUMNS, h.0.nrows()))
-        .copy_from(&h.0.transpose());
+    kkt.view_mut((0, COLUMNS), (COLUMNS, h.0.nrows())).copy_from(&h.0.transpose());
     let mut b = DVector::zeros(size);
     b.rows_mut(0, COLUMNS).copy_from(&(m.0.transpose() * m.1));
     b.rows_mut(COLUMNS, h.0.nrows()).copy_from(h.1);
-    kkt.full_piv_lu()
-        .solve(&b)
-        .expect("hard rows are independent")
-        .rows(0, COLUMNS)
-        .into_owned()
+    kkt.full_piv_lu().solve(&b).expect("hard rows are independent").rows(0, COLUMNS).into_owned()
 }
 
 proptest! {

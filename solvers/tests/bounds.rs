@@ -90,11 +90,7 @@ fn tied_tracks_stretch_to_their_bounds() {
     assert!((energy / 0.560_080_128_205_128 - 1.0).abs() < 1e-12);
     let mut active = solution.active;
     active.sort_unstable();
-    assert_eq!(
-        active,
-        vec![1, 3],
-        "both pieces of the shorter track are as slow as they may be"
-    );
+    assert_eq!(active, vec![1, 3], "both pieces of the shorter track are as slow as they may be");
 }
 
 #[test]
@@ -134,32 +130,22 @@ fn paper_iteration_stops_short_of_the_optimum() {
     let program = four_instants();
     let constant = 0.5 * (3.0 + 9.0 * 5.5 * 5.5 + 100.0 * 0.25);
     let reached = |solution: &BoundedSolution, x: [f64; 4], energy: f64| {
-        assert!(
-            solution.x.iter().zip(x).all(|(a, b)| (a - b).abs() < 1e-12),
-            "{solution:?}"
-        );
+        assert!(solution.x.iter().zip(x).all(|(a, b)| (a - b).abs() < 1e-12), "{solution:?}");
         assert!((program.qp.objective(&solution.x) + constant - energy).abs() < 1e-10);
     };
     let best = solve_bounded(&program.qp, BoundMethod::DualActiveSet).expect("feasible");
     reached(&best, [0.0, 1.5, 2.0, 2.5], 68.0);
     let clamped = solve_bounded(&program.qp, BoundMethod::PaperIteration).expect("clamped rows agree");
     reached(&clamped, [0.0, 1.5, 3.0, 3.5], 141.0);
-    assert!(
-        clamped.multipliers.iter().any(|&u| u < 0.0),
-        "a clamped row wants to be released"
-    );
+    assert!(clamped.multipliers.iter().any(|&u| u < 0.0), "a clamped row wants to be released");
 }
 
 #[test]
 fn contradicting_bounds_name_each_other() {
     let mut program = four_instants();
     program.hard(&[(0, -1.0), (3, 1.0)], 5.0);
-    let Err(BoundsError::Infeasible {
-        row,
-        mut certificate,
-        equalities,
-        violation,
-    }) = solve_bounded(&program.qp, BoundMethod::DualActiveSet)
+    let Err(BoundsError::Infeasible { row, mut certificate, equalities, violation }) =
+        solve_bounded(&program.qp, BoundMethod::DualActiveSet)
     else {
         panic!("three steps of at most 1.5 do not make 5")
     };
@@ -174,23 +160,13 @@ fn spoilt_programs_are_refused() {
     let mut program = four_instants();
     program.qp.linear[2] = f64::NAN;
     let refused = |program: &Program| solve_bounded(&program.qp, BoundMethod::DualActiveSet).err();
-    assert_eq!(
-        refused(&program),
-        Some(BoundsError::NotFinite { block: "g", row: 2 })
-    );
+    assert_eq!(refused(&program), Some(BoundsError::NotFinite { block: "g", row: 2 }));
     let mut program = four_instants();
     program.hard(&[(0, 1.0)], 0.0);
     assert_eq!(refused(&program), Some(BoundsError::Singular));
     let mut program = four_instants();
     program.qp.lower_bounds = DVector::zeros(2);
-    assert!(matches!(
-        refused(&program),
-        Some(BoundsError::ShapeMismatch {
-            block: "C",
-            rows: 2,
-            ..
-        })
-    ));
+    assert!(matches!(refused(&program), Some(BoundsError::ShapeMismatch { block: "C", rows: 2, .. })));
 }
 
 /// By how much the search may miss a row.
@@ -207,10 +183,8 @@ fn search(qp: &BoundedQp) -> Option<Vec<f64>> {
         let mut b = DVector::zeros(size);
         b.rows_mut(0, n).copy_from(&qp.linear);
         for (k, &row) in held.iter().enumerate() {
-            kkt.view_mut((n + k, 0), (1, n))
-                .copy_from(&qp.inequalities.row(row));
-            kkt.view_mut((0, n + k), (n, 1))
-                .copy_from(&qp.inequalities.row(row).transpose());
+            kkt.view_mut((n + k, 0), (1, n)).copy_from(&qp.inequalities.row(row));
+            kkt.view_mut((0, n + k), (n, 1)).copy_from(&qp.inequalities.row(row).transpose());
             b[n + k] = qp.lower_bounds[row];
         }
         let x = kkt.full_piv_lu().solve(&b)?.rows(0, n).into_owned();

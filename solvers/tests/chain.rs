@@ -7,12 +7,8 @@ use cotillion_solvers::{KktForm, LeastSquares, RowMatrix, analyse, c64, solve};
 const SAMPLES: usize = 200;
 
 fn rest_path(c: f64) -> Vec<c64> {
-    let point = |t: f64| {
-        c64::new(
-            1.5 * c + 3.0 * t,
-            0.3 * (9.0 * t + c).sin() + 0.2 * c + 0.01 * (37.0 * t).sin(),
-        )
-    };
+    let point =
+        |t: f64| c64::new(1.5 * c + 3.0 * t, 0.3 * (9.0 * t + c).sin() + 0.2 * c + 0.01 * (37.0 * t).sin());
     (0..SAMPLES).map(|i| point(i as f64 / SAMPLES as f64)).collect()
 }
 
@@ -59,25 +55,15 @@ fn chain(count: usize) -> (Rows, Rows) {
 }
 
 fn problem_of(soft: &Rows, hard: &Rows) -> LeastSquares<c64> {
-    LeastSquares {
-        columns: soft.0.columns(),
-        soft: soft.0.to_csr(),
-        hard: hard.0.to_csr(),
-    }
+    LeastSquares { columns: soft.0.columns(), soft: soft.0.to_csr(), hard: hard.0.to_csr() }
 }
 
 /// Each complex row as its two real parts; unknowns `2k`, `2k + 1` are the parts of unknown k.
 fn stacked(rows: &Rows) -> (RowMatrix<f64>, Vec<f64>) {
     let mut real = RowMatrix::new(2 * rows.0.columns());
     for row in rows.0.to_csr().outer_iterator() {
-        let re: Vec<_> = row
-            .iter()
-            .flat_map(|(j, a)| [(2 * j, a.re), (2 * j + 1, -a.im)])
-            .collect();
-        let im: Vec<_> = row
-            .iter()
-            .flat_map(|(j, a)| [(2 * j, a.im), (2 * j + 1, a.re)])
-            .collect();
+        let re: Vec<_> = row.iter().flat_map(|(j, a)| [(2 * j, a.re), (2 * j + 1, -a.im)]).collect();
+        let im: Vec<_> = row.iter().flat_map(|(j, a)| [(2 * j, a.im), (2 * j + 1, a.re)]).collect();
         real.push_row(&re);
         real.push_row(&im);
     }
@@ -113,11 +99,7 @@ fn stacked_real_form_agrees_with_the_complex_one() {
     let (soft, hard) = chain(10);
     let complex = solve(&problem_of(&soft, &hard), &soft.1, &hard.1).expect("four pins hold the chain");
     let ((m_rows, m), (h_rows, h)) = (stacked(&soft), stacked(&hard));
-    let problem = LeastSquares {
-        columns: m_rows.columns(),
-        soft: m_rows.to_csr(),
-        hard: h_rows.to_csr(),
-    };
+    let problem = LeastSquares { columns: m_rows.columns(), soft: m_rows.to_csr(), hard: h_rows.to_csr() };
     let real = solve(&problem, &m, &h).expect("the same problem");
     for (z, parts) in complex.x.iter().zip(real.x.chunks(2)) {
         assert!((z - c64::new(parts[0], parts[1])).norm() < TOLERANCE);
@@ -131,16 +113,8 @@ fn normal_equations_agree_to_their_poorer_accuracy() {
     let problem = problem_of(&soft, &hard);
     let exact = solve(&problem, &soft.1, &hard.1).expect("four pins hold the chain");
     let analysis = analyse(&problem, KktForm::NormalEquations).expect("shapes fit");
-    let rough = analysis
-        .factor(&problem)
-        .and_then(|f| f.solve(&soft.1, &hard.1))
-        .expect("the same problem");
-    let error = exact
-        .x
-        .iter()
-        .zip(&rough.x)
-        .map(|(a, b)| (a - b).norm())
-        .fold(0.0, f64::max);
+    let rough = analysis.factor(&problem).and_then(|f| f.solve(&soft.1, &hard.1)).expect("the same problem");
+    let error = exact.x.iter().zip(&rough.x).map(|(a, b)| (a - b).norm()).fold(0.0, f64::max);
     assert!(error < 1e-6, "normal equations are off by {error:e}");
 }
 
@@ -154,12 +128,8 @@ fn runs_repeat_to_the_last_bit() {
     let mut x = vec![c64::default(); problem.columns];
     let first = solve(&problem, &soft.1, &hard.1).expect("four pins hold the chain");
     let elsewhere: Vec<_> = soft.1.iter().map(|m| m * 2.0 + 1.0).collect();
-    factor
-        .solve_into(&elsewhere, &hard.1, &mut x, &mut workspace)
-        .expect("other targets");
-    factor
-        .solve_into(&soft.1, &hard.1, &mut x, &mut workspace)
-        .expect("the first targets again");
+    factor.solve_into(&elsewhere, &hard.1, &mut x, &mut workspace).expect("other targets");
+    factor.solve_into(&soft.1, &hard.1, &mut x, &mut workspace).expect("the first targets again");
     assert_eq!(x, first.x);
     assert_eq!(workspace.multipliers(), first.multipliers);
 }

@@ -12,31 +12,16 @@ fn rows(columns: usize, rows: &[&[(usize, f64)]]) -> RowMatrix<f64> {
 
 /// Four unknowns, second differences small, the first two held.
 fn valid() -> (LeastSquares<f64>, Vec<f64>, Vec<f64>) {
-    let soft = rows(
-        4,
-        &[&[(0, 1.0), (1, -2.0), (2, 1.0)], &[(1, 1.0), (2, -2.0), (3, 1.0)]],
-    );
+    let soft = rows(4, &[&[(0, 1.0), (1, -2.0), (2, 1.0)], &[(1, 1.0), (2, -2.0), (3, 1.0)]]);
     let hard = rows(4, &[&[(0, 1.0)], &[(1, 1.0)]]);
-    (
-        LeastSquares {
-            columns: 4,
-            soft: soft.to_csr(),
-            hard: hard.to_csr(),
-        },
-        vec![0.0; 2],
-        vec![1.0, 2.0],
-    )
+    (LeastSquares { columns: 4, soft: soft.to_csr(), hard: hard.to_csr() }, vec![0.0; 2], vec![1.0, 2.0])
 }
 
 #[test]
 fn valid_problem_is_solved() {
     let (problem, m, h) = valid();
     let x = solve(&problem, &m, &h).expect("two points make a line").x;
-    assert!(
-        x.iter()
-            .zip([1.0, 2.0, 3.0, 4.0])
-            .all(|(a, b)| (a - b).abs() < 1e-12)
-    );
+    assert!(x.iter().zip([1.0, 2.0, 3.0, 4.0]).all(|(a, b)| (a - b).abs() < 1e-12));
 }
 
 #[test]
@@ -65,32 +50,17 @@ fn dependent_hard_rows_are_singular() {
 #[test]
 fn numbers_that_are_none_are_refused_by_row() {
     let (mut problem, m, h) = valid();
-    assert_eq!(
-        solve(&problem, &[0.0, f64::NAN], &h),
-        Err(KktError::NotFinite { block: "m", row: 1 })
-    );
-    assert_eq!(
-        solve(&problem, &m, &[f64::INFINITY, 0.0]),
-        Err(KktError::NotFinite { block: "h", row: 0 })
-    );
+    assert_eq!(solve(&problem, &[0.0, f64::NAN], &h), Err(KktError::NotFinite { block: "m", row: 1 }));
+    assert_eq!(solve(&problem, &m, &[f64::INFINITY, 0.0]), Err(KktError::NotFinite { block: "h", row: 0 }));
     problem.hard = rows(4, &[&[(0, 1.0)], &[(1, f64::NAN)]]).to_csr();
-    assert_eq!(
-        solve(&problem, &m, &h),
-        Err(KktError::NotFinite { block: "H", row: 1 })
-    );
+    assert_eq!(solve(&problem, &m, &h), Err(KktError::NotFinite { block: "H", row: 1 }));
 }
 
 #[test]
 fn shapes_that_do_not_fit_are_named() {
     let (mut problem, m, h) = valid();
-    let mismatch = |block, side, expected, actual| {
-        Err(KktError::ShapeMismatch {
-            block,
-            side,
-            expected,
-            actual,
-        })
-    };
+    let mismatch =
+        |block, side, expected, actual| Err(KktError::ShapeMismatch { block, side, expected, actual });
     assert_eq!(solve(&problem, &m[..1], &h), mismatch("m", "rows", 2, 1));
     assert_eq!(solve(&problem, &m, &[]), mismatch("h", "rows", 2, 0));
     let analysis = analyse(&problem, KktForm::Hachtel).expect("shapes fit");
@@ -98,21 +68,11 @@ fn shapes_that_do_not_fit_are_named() {
     assert_eq!(solve(&problem, &m, &h), mismatch("M", "columns", 5, 4));
     problem.columns = 4;
     problem.soft = rows(4, &[&[(0, 1.0)], &[(3, 1.0)]]).to_csr();
-    assert_eq!(
-        analysis.factor(&problem).err(),
-        Some(KktError::PatternChanged { block: "M" })
-    );
+    assert_eq!(analysis.factor(&problem).err(), Some(KktError::PatternChanged { block: "M" }));
 }
 
 #[test]
 fn empty_problems_have_empty_solutions() {
-    let problem = LeastSquares {
-        columns: 0,
-        soft: rows(0, &[]).to_csr(),
-        hard: rows(0, &[]).to_csr(),
-    };
-    assert_eq!(
-        solve(&problem, &[], &[]).expect("nothing to solve").x,
-        Vec::<f64>::new()
-    );
+    let problem = LeastSquares { columns: 0, soft: rows(0, &[]).to_csr(), hard: rows(0, &[]).to_csr() };
+    assert_eq!(solve(&problem, &[], &[]).expect("nothing to solve").x, Vec::<f64>::new());
 }

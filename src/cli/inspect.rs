@@ -52,9 +52,9 @@ fn options(args: &InspectArgs) -> Result<ReadOptions, PlainError> {
     };
     let unit_to_m = match &args.unit {
         None => None,
-        Some(name) => {
-            Some(unit(name).ok_or_else(|| wrong_option("--unit", name, "m, cm, inch, or metres per file unit"))?)
-        }
+        Some(name) => Some(
+            unit(name).ok_or_else(|| wrong_option("--unit", name, "m, cm, inch, or metres per file unit"))?,
+        ),
     };
     let up = match args.up.as_deref() {
         None => None,
@@ -76,10 +76,14 @@ fn plain(file: &str, message: String, help: Option<String>) -> PlainError {
 fn facts(path: &Path, options: &ReadOptions) -> Result<ClipFacts, PlainError> {
     let file = path.display().to_string();
     if let Some(name) = file.strip_prefix("builtin:") {
-        let clip = builtin::generate(name, &BTreeMap::new())
-            .map_err(|error| plain(&file, error.to_string(), Some("`cotillion clips` lists them".to_owned())))?;
+        let clip = builtin::generate(name, &BTreeMap::new()).map_err(|error| {
+            plain(&file, error.to_string(), Some("`cotillion clips` lists them".to_owned()))
+        })?;
         let header_fps = clip.fps;
-        return Ok(facts_of(&file, &ReadClip { clip, unit_to_m: 1.0, up: Up::Y, header_fps, notes: Vec::new() }));
+        return Ok(facts_of(
+            &file,
+            &ReadClip { clip, unit_to_m: 1.0, up: Up::Y, header_fps, notes: Vec::new() },
+        ));
     }
     let bytes = std::fs::read(path).map_err(|error| {
         plain(&file, format!("cannot be read: {error}"), Some("name a BVH file that can be read".to_owned()))
@@ -117,7 +121,12 @@ pub(crate) fn clips(args: &ClipsArgs) -> Result<(), Failure> {
     match &args.output {
         Some(path) => {
             output.write_file(path, to_bvh(&generated).as_bytes())?;
-            output.say(&format!("{}: {} frames at {} fps\n", path.display(), generated.frame_count(), generated.fps));
+            output.say(&format!(
+                "{}: {} frames at {} fps\n",
+                path.display(),
+                generated.frame_count(),
+                generated.fps
+            ));
         }
         None => {
             let info = builtin::names().iter().find(|info| info.name == name);

@@ -32,10 +32,6 @@ impl Output {
         Self { manner }
     }
 
-    pub(crate) fn json(&self) -> bool {
-        self.manner.json
-    }
-
     /// Prints a result. A reader that has gone away is no fault of ours.
     pub(crate) fn print(&self, text: &str) {
         let mut stdout = std::io::stdout().lock();

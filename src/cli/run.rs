@@ -19,12 +19,14 @@ pub(crate) fn run(args: &RunArgs) -> Result<(), Failure> {
     let bar = output.progress(5);
     let mut timing = Timing::default();
     bar.set_message("reading");
-    let Loaded { scene, warnings, text } = timed(&mut timing.load, || load(&args.scene, &ClipFolders::from_environment()))
-        .map_err(|faults| {
-            bar.finish_and_clear();
-            output.faults(&[faults]);
-            Failure::BadInput
-        })?;
+    let Loaded { scene, warnings, text } =
+        timed(&mut timing.load, || load(&args.scene, &ClipFolders::from_environment())).map_err(
+            |faults| {
+                bar.finish_and_clear();
+                output.faults(&[faults]);
+                Failure::BadInput
+            },
+        )?;
     bar.suspend(|| output.warnings(&warnings, &text));
     bar.inc(1);
     let solved = solve(scene, &mut timing, &bar).map_err(|error| {
@@ -107,9 +109,10 @@ fn png(files: &[OutputFile], width: u32, output: &Output) -> Result<OutputFile, 
 /// What to tell of a scene without an answer: the first line it concerns, and the remedy.
 fn unsatisfiable(scene: &Path, error: &EditError) -> PlainError {
     let (line, help) = match error {
-        EditError::Conflict { constraints, .. } | EditError::TimeConflict { constraints, .. } => {
-            (constraints.last().map(|named| named.line), "change or remove one of them, or give one a weight as its strength")
-        }
+        EditError::Conflict { constraints, .. } | EditError::TimeConflict { constraints, .. } => (
+            constraints.last().map(|named| named.line),
+            "change or remove one of them, or give one a weight as its strength",
+        ),
         EditError::InfeasibleTimes { constraints, .. } => (
             constraints.last().map(|named| named.line),
             "change one of these times by what is missing, or widen min_step and max_step in [warp]",
@@ -143,7 +146,10 @@ fn summary(report: &Report, folder: &Path) -> String {
             character.time_step.max,
         );
     }
-    let missed = report.constraints.iter().filter(|constraint| constraint.strength != "hard" && constraint.residual > 0.01);
+    let missed = report
+        .constraints
+        .iter()
+        .filter(|constraint| constraint.strength != "hard" && constraint.residual > 0.01);
     for constraint in missed {
         text += &format!("{} is off by {:.3} {}\n", constraint.name, constraint.residual, constraint.unit);
     }

@@ -126,10 +126,7 @@ impl BodyPoint {
 
 /// Where `point` sits on `skeleton`; `None` where the skeleton does not have it.
 pub fn foot_point(skeleton: &Skeleton, point: FootPoint) -> Option<BodyPoint> {
-    let at_joint = |joint| BodyPoint {
-        joint,
-        local: DVec3::ZERO,
-    };
+    let at_joint = |joint| BodyPoint { joint, local: DVec3::ZERO };
     match point {
         FootPoint::LeftHeel => skeleton.joint_of(JointRole::LeftFoot).map(at_joint),
         FootPoint::RightHeel => skeleton.joint_of(JointRole::RightFoot).map(at_joint),
@@ -186,11 +183,7 @@ pub fn foot_contacts(
 
 /// When one point bears: hysteresis, then gaps filled, then short contacts dropped.
 fn bearing(places: &[DVec3], floor: f64, point: FootPoint, settings: &ContactSettings) -> Vec<bool> {
-    let height = if point.is_toe() {
-        settings.toe_height
-    } else {
-        settings.heel_height
-    };
+    let height = if point.is_toe() { settings.toe_height } else { settings.heel_height };
     let speeds = speeds(places, WORKING_STEP);
     let mut bears = false;
     let mut labels: Vec<bool> = places

@@ -141,9 +141,7 @@ mod tests {
     #[test]
     fn headings_go_on_past_half_a_turn() {
         let skeleton = body(true);
-        let poses: Vec<_> = (0..20)
-            .map(|k| turned(&skeleton, yaw(0.5 * f64::from(k))))
-            .collect();
+        let poses: Vec<_> = (0..20).map(|k| turned(&skeleton, yaw(0.5 * f64::from(k)))).collect();
         let found = headings(&skeleton, &poses);
         assert!((found[19] - found[0] - 9.5).abs() < 1e-9);
     }

@@ -64,27 +64,13 @@ pub fn flight(
     let mut airborne: Vec<bool> = contacts.iter().map(|contact| !contact.any()).collect();
     let mut lowest_floor = f64::INFINITY;
     for point in &feet {
-        let floor = percentile(
-            floor_poses.iter().map(|frames| point.place(frames).y).collect(),
-            FLOOR_PERCENTILE,
-        );
+        let floor =
+            percentile(floor_poses.iter().map(|frames| point.place(frames).y).collect(), FLOOR_PERCENTILE);
         lowest_floor = lowest_floor.min(floor);
-        clear_touching(
-            &mut airborne,
-            point,
-            poses,
-            floor + settings.foot_height,
-            settings.speed,
-        );
+        clear_touching(&mut airborne, point, poses, floor + settings.foot_height, settings.speed);
     }
     for joint in other_joints(skeleton) {
-        clear_touching(
-            &mut airborne,
-            &joint,
-            poses,
-            lowest_floor + settings.joint_height,
-            settings.speed,
-        );
+        clear_touching(&mut airborne, &joint, poses, lowest_floor + settings.joint_height, settings.speed);
     }
     drop_short(&mut airborne, settings.shortest);
     let heights = mean_heights(skeleton, poses);
@@ -101,12 +87,7 @@ pub fn flight(
 fn bearing_points(skeleton: &Skeleton) -> Vec<BodyPoint> {
     let tips =
         [JointRole::LeftToe, JointRole::RightToe].map(|role| end_of(skeleton, skeleton.joint_of(role)?));
-    FootPoint::ALL
-        .iter()
-        .map(|&point| foot_point(skeleton, point))
-        .chain(tips)
-        .flatten()
-        .collect()
+    FootPoint::ALL.iter().map(|&point| foot_point(skeleton, point)).chain(tips).flatten().collect()
 }
 
 /// All joints but the feet, what hangs on them, and helpers.
@@ -118,10 +99,7 @@ fn other_joints(skeleton: &Skeleton) -> Vec<BodyPoint> {
     }
     (0..skeleton.joints.len())
         .filter(|&index| !of_foot[index] && !is_helper(&skeleton.joints[index].name))
-        .map(|index| BodyPoint {
-            joint: JointId::from_usize(index),
-            local: DVec3::ZERO,
-        })
+        .map(|index| BodyPoint { joint: JointId::from_usize(index), local: DVec3::ZERO })
         .collect()
 }
 
@@ -143,9 +121,8 @@ fn clear_touching(
 
 /// Mean height of the joints of each pose, helpers left out, metres.
 fn mean_heights(skeleton: &Skeleton, poses: &[Vec<JointFrame>]) -> Vec<f64> {
-    let counted: Vec<usize> = (0..skeleton.joints.len())
-        .filter(|&index| !is_helper(&skeleton.joints[index].name))
-        .collect();
+    let counted: Vec<usize> =
+        (0..skeleton.joints.len()).filter(|&index| !is_helper(&skeleton.joints[index].name)).collect();
     poses
         .iter()
         .map(|frames| {
@@ -165,11 +142,7 @@ pub fn fitted_gravity(heights: &[f64], step: f64) -> f64 {
     if heights.len() < 3 {
         return 0.0;
     }
-    let product: f64 = heights
-        .iter()
-        .enumerate()
-        .map(|(index, height)| quadratic(index) * height)
-        .sum();
+    let product: f64 = heights.iter().enumerate().map(|(index, height)| quadratic(index) * height).sum();
     -2.0 * product / norm_sq
 }
 

@@ -92,19 +92,12 @@ pub fn inspect(file: &str, read: &ReadClip) -> ClipFacts {
         height: standing_height(clip, first, last),
         root_path: root_path(clip, first, last),
         seconds: f64::from(last.0 - first.0) / clip.fps,
-        usable: FrameRange {
-            from: first.0,
-            to: last.0,
-        },
+        usable: FrameRange { from: first.0, to: last.0 },
         contacts: contact_ranges(&working),
         flights: runs(&working.flight)
             .into_iter()
             .map(range)
-            .map(|FrameRange { from, to }| JointRange {
-                joint: None,
-                from,
-                to,
-            })
+            .map(|FrameRange { from, to }| JointRange { joint: None, from, to })
             .collect(),
         stationary: runs(&working.stationary).into_iter().map(range).collect(),
         foot_slide: foot_slide_working(&working),
@@ -119,10 +112,7 @@ fn file_range(working: &WorkingClip, run: (usize, usize)) -> FrameRange {
         let rounded = floor_index(working.source_frame(index as f64) + 0.5);
         SourceFrame::from_usize(rounded).min(working.last).0
     };
-    FrameRange {
-        from: frame(run.0),
-        to: frame(run.1),
-    }
+    FrameRange { from: frame(run.0), to: frame(run.1) }
 }
 
 fn contact_ranges(working: &WorkingClip) -> Vec<JointRange> {
@@ -134,19 +124,11 @@ fn contact_ranges(working: &WorkingClip) -> Vec<JointRange> {
         };
         let name = &skeleton.joints[at.joint.as_usize()].name;
         let is_end = at.local.length_squared() > 0.0;
-        let joint = if is_end {
-            format!("{name} end")
-        } else {
-            name.clone()
-        };
+        let joint = if is_end { format!("{name} end") } else { name.clone() };
         let labels: Vec<bool> = working.contacts.iter().map(|contact| contact.at(point)).collect();
         ranges.extend(runs(&labels).into_iter().map(|run| {
             let FrameRange { from, to } = file_range(working, run);
-            JointRange {
-                joint: Some(joint.clone()),
-                from,
-                to,
-            }
+            JointRange { joint: Some(joint.clone()), from, to }
         }));
     }
     ranges
@@ -161,13 +143,7 @@ fn roles(read: &ReadClip) -> Vec<RoleFact> {
         .filter_map(|joint| Some((joint.role?, joint.name.clone())))
         .collect();
     found.sort();
-    found
-        .into_iter()
-        .map(|(role, joint)| RoleFact {
-            role: format!("{role:?}"),
-            joint,
-        })
-        .collect()
+    found.into_iter().map(|(role, joint)| RoleFact { role: format!("{role:?}"), joint }).collect()
 }
 
 /// Share of the frames without any contact beyond which the floor is doubtful, when the body does not fly.
@@ -181,9 +157,7 @@ fn warnings(read: &ReadClip, working: &WorkingClip) -> Vec<String> {
         .zip(&working.flight)
         .filter(|(contact, flies)| !**flies && !contact.any())
         .count();
-    let has_feet = FootPoint::ALL
-        .iter()
-        .any(|&point| foot_point(&read.clip.skeleton, point).is_some());
+    let has_feet = FootPoint::ALL.iter().any(|&point| foot_point(&read.clip.skeleton, point).is_some());
     if has_feet && unsupported as f64 > DOUBTFUL_SHARE * working.frame_count() as f64 {
         warnings.push(format!(
             "no foot bears on the floor in {unsupported} of {} working frames, and the body does not fly: a slope, steps, a seat, \
@@ -203,13 +177,7 @@ pub fn facts_text(facts: &ClipFacts) -> String {
     let mut put = |key: &str, value: String| {
         writeln!(text, "  {key:<12}{value}").expect("writing to a string does not fail");
     };
-    put(
-        "skeleton",
-        format!(
-            "{} joints, {:.2} m to the highest joint",
-            facts.joints, facts.height
-        ),
-    );
+    put("skeleton", format!("{} joints, {:.2} m to the highest joint", facts.joints, facts.height));
     put(
         "frames",
         format!(
@@ -217,10 +185,7 @@ pub fn facts_text(facts: &ClipFacts) -> String {
             facts.frames, facts.fps, facts.usable.from, facts.usable.to, facts.seconds
         ),
     );
-    put(
-        "units",
-        format!("{:.6} m a file unit, {} up", facts.unit_to_m, facts.up),
-    );
+    put("units", format!("{:.6} m a file unit, {} up", facts.unit_to_m, facts.up));
     put("root path", format!("{:.2} m on the ground", facts.root_path));
     if let Some(slide) = facts.foot_slide {
         put("foot slide", format!("{slide:.3} m/s in contact"));
@@ -228,19 +193,11 @@ pub fn facts_text(facts: &ClipFacts) -> String {
     for (joint, ranges) in contacts_by_joint(facts) {
         put("contact", format!("{joint}: {}", range_list(&ranges)));
     }
-    let flights: Vec<_> = facts
-        .flights
-        .iter()
-        .map(|flight| (flight.from, flight.to))
-        .collect();
+    let flights: Vec<_> = facts.flights.iter().map(|flight| (flight.from, flight.to)).collect();
     put("flights", range_list(&flights));
     let stays: Vec<_> = facts.stationary.iter().map(|stay| (stay.from, stay.to)).collect();
     put("stationary", range_list(&stays));
-    let roles: Vec<String> = facts
-        .roles
-        .iter()
-        .map(|fact| format!("{} {}", fact.role, fact.joint))
-        .collect();
+    let roles: Vec<String> = facts.roles.iter().map(|fact| format!("{} {}", fact.role, fact.joint)).collect();
     put("roles", roles.join(", "));
     for warning in &facts.warnings {
         put("warning", warning.clone());
@@ -266,16 +223,9 @@ fn range_list(ranges: &[(u32, u32)]) -> String {
     if ranges.is_empty() {
         return "none".to_owned();
     }
-    let shown: Vec<String> = ranges
-        .iter()
-        .take(RANGES_SHOWN)
-        .map(|(from, to)| format!("{from}–{to}"))
-        .collect();
+    let shown: Vec<String> =
+        ranges.iter().take(RANGES_SHOWN).map(|(from, to)| format!("{from}–{to}")).collect();
     let more = ranges.len().saturating_sub(RANGES_SHOWN);
-    let tail = if more > 0 {
-        format!(" and {more} more")
-    } else {
-        String::new()
-    };
+    let tail = if more > 0 { format!(" and {more} more") } else { String::new() };
     shown.join(", ") + &tail
 }

@@ -41,15 +41,8 @@ pub fn foot_slide(clip: &Clip, contacts: &[FootContacts]) -> Option<f64> {
 
 /// [`foot_slide`] of a range on its working frames, m/s.
 pub fn foot_slide_working(working: &WorkingClip) -> Option<f64> {
-    let poses: Vec<Pose> = (0..working.frame_count())
-        .map(|index| working.pose(index as f64))
-        .collect();
-    let clip = Clip::from_poses(
-        &working.name,
-        working.clip.skeleton.clone(),
-        1.0 / WORKING_STEP,
-        &poses,
-    );
+    let poses: Vec<Pose> = (0..working.frame_count()).map(|index| working.pose(index as f64)).collect();
+    let clip = Clip::from_poses(&working.name, working.clip.skeleton.clone(), 1.0 / WORKING_STEP, &poses);
     foot_slide(&clip, &working.contacts)
 }
 
@@ -60,9 +53,7 @@ pub fn root_path(clip: &Clip, first: SourceFrame, last: SourceFrame) -> f64 {
     let samples = floor_index((end - start) / step + 1e-9);
     let place = |sample: usize| plan_of(clip.root_at((start + sample as f64 * step).min(end)));
     // From 0: the sum of nothing is −0.
-    (1..=samples).fold(0.0, |length, sample| {
-        length + (place(sample) - place(sample - 1)).norm()
-    })
+    (1..=samples).fold(0.0, |length, sample| length + (place(sample) - place(sample - 1)).norm())
 }
 
 /// Share of the frames in which a body is lower than its standing height: more than half, as captures bend now and then.
@@ -85,8 +76,7 @@ pub fn standing_height(clip: &Clip, first: SourceFrame, last: SourceFrame) -> f6
 }
 
 fn frames_at(clip: &Clip, frame: usize) -> Vec<JointFrame> {
-    clip.skeleton
-        .forward_kinematics(&clip.pose(SourceFrame::from_usize(frame)))
+    clip.skeleton.forward_kinematics(&clip.pose(SourceFrame::from_usize(frame)))
 }
 
 #[cfg(test)]
@@ -115,10 +105,7 @@ mod tests {
         assign_roles(&mut joints);
         let skeleton = Skeleton { joints };
         let poses: Vec<Pose> = (0..61)
-            .map(|frame| Pose {
-                root: DVec3::new(0.01 * f64::from(frame), 1.2, 0.0),
-                ..skeleton.rest_pose()
-            })
+            .map(|frame| Pose { root: DVec3::new(0.01 * f64::from(frame), 1.2, 0.0), ..skeleton.rest_pose() })
             .collect();
         Clip::from_poses("sliding", Arc::new(skeleton), 30.0, &poses)
     }

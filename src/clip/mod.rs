@@ -76,17 +76,13 @@ impl Clip {
 
     /// A clip of the given poses (all of `skeleton`), without events.
     pub fn from_poses(name: &str, skeleton: Arc<Skeleton>, fps: f64, poses: &[Pose]) -> Self {
-        let moving = poses.first().map_or(Vec::new(), |pose| {
-            pose.offsets.iter().map(|(joint, _)| *joint).collect()
-        });
+        let moving =
+            poses.first().map_or(Vec::new(), |pose| pose.offsets.iter().map(|(joint, _)| *joint).collect());
         let moving_offsets = moving
             .into_iter()
             .map(|joint| MovingOffset {
                 joint,
-                offsets: poses
-                    .iter()
-                    .map(|pose| pose.offset_of(joint).unwrap_or(DVec3::ZERO))
-                    .collect(),
+                offsets: poses.iter().map(|pose| pose.offset_of(joint).unwrap_or(DVec3::ZERO)).collect(),
             })
             .collect();
         Self {
@@ -94,16 +90,10 @@ impl Clip {
             skeleton,
             fps,
             root_positions: poses.iter().map(|pose| pose.root).collect(),
-            rotations: poses
-                .iter()
-                .flat_map(|pose| pose.rotations.iter().copied())
-                .collect(),
+            rotations: poses.iter().flat_map(|pose| pose.rotations.iter().copied()).collect(),
             moving_offsets,
             events: BTreeMap::new(),
-            usable: (
-                SourceFrame(0),
-                SourceFrame::from_usize(poses.len().saturating_sub(1)),
-            ),
+            usable: (SourceFrame(0), SourceFrame::from_usize(poses.len().saturating_sub(1))),
         }
     }
 }

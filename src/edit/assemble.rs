@@ -177,7 +177,8 @@ pub fn assemble(
         gauge.push(terms, 1.0, Source::Gauge(index));
     }
     let hard_rows = hard.matrix.to_csr();
-    let problem = LeastSquares { columns: columns.count, soft: soft.matrix.to_csr(), hard: hard_rows.clone() };
+    let problem =
+        LeastSquares { columns: columns.count, soft: soft.matrix.to_csr(), hard: hard_rows.clone() };
     let (soft, hard, gauge) = (soft.rules, hard.rules, gauge.rules);
     PhaseSystem { columns, problem, soft, interior, hard, hard_rows, gauge, gauge_terms }
 }
@@ -188,7 +189,8 @@ impl PhaseSystem {
         let mut matrix = RowMatrix::new(self.columns.count);
         for row in kept {
             if let Some(values) = self.hard_rows.outer_view(*row) {
-                let terms: Vec<(usize, c64)> = values.iter().map(|(column, value)| (column, *value)).collect();
+                let terms: Vec<(usize, c64)> =
+                    values.iter().map(|(column, value)| (column, *value)).collect();
                 matrix.push_row(&terms);
             }
         }

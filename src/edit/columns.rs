@@ -122,7 +122,5 @@ fn shared_point(path: &RestPath, frame: usize, frames: &[Option<FrameColumns>]) 
     if frame > 0 && path.coincide(frame - 1, frame) {
         return frames[frame - 1];
     }
-    (frame + 1..path.len())
-        .take_while(|next| path.coincide(next - 1, *next))
-        .find_map(|next| frames[next])
+    (frame + 1..path.len()).take_while(|next| path.coincide(next - 1, *next)).find_map(|next| frames[next])
 }

@@ -66,15 +66,26 @@ pub enum EditNote {
 impl std::fmt::Display for EditNote {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self {
-            Self::Redundant(named) => write!(f, "{named} says in part what other hard constraints say already"),
+            Self::Redundant(named) => {
+                write!(f, "{named} says in part what other hard constraints say already")
+            }
             Self::Released { character, frames: (first, last) } => {
-                write!(f, "{character} stands at frames {first}–{last}, but hard constraints pull this stretch apart")
+                write!(
+                    f,
+                    "{character} stands at frames {first}–{last}, but hard constraints pull this stretch apart"
+                )
             }
             Self::Flip { character, frames: (first, last), repaired: true } => {
-                write!(f, "the path of {character} folds back at frames {first}–{last}; the facing passes over it")
+                write!(
+                    f,
+                    "the path of {character} folds back at frames {first}–{last}; the facing passes over it"
+                )
             }
             Self::Flip { character, frames: (first, last), repaired: false } => {
-                write!(f, "the facing of {character} jumps at frames {first}–{last}, where the path folds back")
+                write!(
+                    f,
+                    "the facing of {character} jumps at frames {first}–{last}, where the path folds back"
+                )
             }
             Self::StepsAtBound { steps } => write!(f, "{steps} time steps stand at their bounds"),
         }
@@ -140,7 +151,8 @@ impl Editor {
     /// The first half of [`Editor::new`]: all systems, not factored yet.
     pub fn assemble(scene: Scene) -> Self {
         let settings = SpatialSettings::of(scene.mode);
-        let rests: Vec<RestPath> = scene.characters.par_iter().map(|character| character.track.rest_path()).collect();
+        let rests: Vec<RestPath> =
+            scene.characters.par_iter().map(|character| character.track.rest_path()).collect();
         let expansion = expand(&scene, &rests);
         let (spatial, held) = spatial_groups(&rests, &expansion.held, settings);
         let (temporal, times) = temporal_groups(step_bounds(&scene), &rests, &expansion.times);
@@ -196,7 +208,9 @@ impl Editor {
             return Err(EditError::NotFinite(named));
         }
         match (&mut entry.kind, target) {
-            (ConstraintKind::Pin { position: Some(position), .. }, Target::Position(point)) => *position = point,
+            (ConstraintKind::Pin { position: Some(position), .. }, Target::Position(point)) => {
+                *position = point
+            }
             (ConstraintKind::Pin { facing: Some(facing), .. }, Target::Facing(angle)) => *facing = angle,
             (ConstraintKind::Relative { offset: Relation::Given(offset), .. }, Target::Offset(point)) => {
                 *offset = point;
@@ -264,7 +278,9 @@ impl Editor {
                 }
             }
             let redundant = group.component.redundant();
-            self.edit.notes.extend(redundant.into_iter().map(|id| EditNote::Redundant(named(&self.scene, id))));
+            self.edit
+                .notes
+                .extend(redundant.into_iter().map(|id| EditNote::Redundant(named(&self.scene, id))));
             if group.component.active_steps > 0 {
                 self.edit.notes.push(EditNote::StepsAtBound { steps: group.component.active_steps });
             }
@@ -281,7 +297,9 @@ impl Editor {
                 self.edit.characters[*character].positions.clone_from(edited);
             }
             let redundant = group.component.redundant();
-            self.edit.notes.extend(redundant.into_iter().map(|id| EditNote::Redundant(named(&self.scene, id))));
+            self.edit
+                .notes
+                .extend(redundant.into_iter().map(|id| EditNote::Redundant(named(&self.scene, id))));
             for (path, run) in &group.component.released {
                 self.edit.notes.push(EditNote::Released {
                     character: self.scene.characters[group.characters[*path]].name.clone(),
@@ -391,9 +409,10 @@ fn names_of(scene: &Scene, characters: &[usize]) -> String {
 
 fn space_error(scene: &Scene, characters: &[usize], error: SpatialError) -> EditError {
     match error {
-        SpatialError::Conflict { constraints, miss } => {
-            EditError::Conflict { constraints: constraints.into_iter().map(|id| named(scene, id)).collect(), miss }
-        }
+        SpatialError::Conflict { constraints, miss } => EditError::Conflict {
+            constraints: constraints.into_iter().map(|id| named(scene, id)).collect(),
+            miss,
+        },
         SpatialError::Solver(phase, source) => {
             let system = if phase == Phase::Shape { "shape" } else { "scale" };
             EditError::Solver { system, characters: names_of(scene, characters), source }
@@ -419,7 +438,9 @@ fn time_error(scene: &Scene, characters: &[usize], error: TemporalError) -> Edit
         TemporalError::Solver(source) => {
             EditError::Solver { system: "time", characters: names_of(scene, characters), source }
         }
-        TemporalError::Bounds(source) => EditError::Bounds { characters: names_of(scene, characters), source },
+        TemporalError::Bounds(source) => {
+            EditError::Bounds { characters: names_of(scene, characters), source }
+        }
     }
 }
 
@@ -472,7 +493,11 @@ fn places(groups: &[Vec<usize>], count: usize) -> Vec<(usize, usize)> {
 /// Components, and the component and place in it of each row.
 type Grouped<C> = (Vec<Group<C>>, Vec<(usize, usize)>);
 
-fn spatial_groups(rests: &[RestPath], held: &[HeldRow], settings: SpatialSettings) -> Grouped<SpatialComponent> {
+fn spatial_groups(
+    rests: &[RestPath],
+    held: &[HeldRow],
+    settings: SpatialSettings,
+) -> Grouped<SpatialComponent> {
     let links = held.iter().filter_map(|row| row.hold.to().map(|to| (row.hold.at().path, to.path)));
     let groups = connected(rests.len(), links);
     let places = places(&groups, rests.len());

@@ -55,8 +55,17 @@ impl Energy {
         let (shape, scale, time) = (shape / cube, scale / cube, time / WORKING_STEP);
         let changed = |extent: &Extent| length_change(extent.length, mode);
         let length = LENGTH * extents.iter().map(changed).sum::<f64>();
-        let duration = DURATION * extents.iter().map(|extent| (extent.seconds.1 - extent.seconds.0).abs()).sum::<f64>();
-        Self { shape, scale, time, length, duration, turn: 0.0, total: shape + scale + time + length + duration }
+        let duration =
+            DURATION * extents.iter().map(|extent| (extent.seconds.1 - extent.seconds.0).abs()).sum::<f64>();
+        Self {
+            shape,
+            scale,
+            time,
+            length,
+            duration,
+            turn: 0.0,
+            total: shape + scale + time + length + duration,
+        }
     }
 }
 

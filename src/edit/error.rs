@@ -56,7 +56,9 @@ pub enum EditError {
         max_step: f64,
     },
     /// Without bounds, a time track can run backwards; then no motion shows it.
-    #[error("the time of {character} runs backwards at frame {frame} of its track; bound it with [warp] min_step")]
+    #[error(
+        "the time of {character} runs backwards at frame {frame} of its track; bound it with [warp] min_step"
+    )]
     BackwardTime {
         /// Whose.
         character: String,

@@ -38,13 +38,25 @@ pub fn expand(scene: &Scene, rests: &[RestPath]) -> Expansion {
                     let at = place(scene, rests, when, frame);
                     let to = to.map(|(when, frame)| place(scene, rests, when, frame));
                     let strength = shared(constraint.strength, share);
-                    push_relative(&mut expansion.held, id, strength, (at, to), (constraint, &scene.objects, rests));
+                    push_relative(
+                        &mut expansion.held,
+                        id,
+                        strength,
+                        (at, to),
+                        (constraint, &scene.objects, rests),
+                    );
                 }
             }
             ConstraintKind::Time { at, seconds } => {
                 let at = time_point(scene, at);
                 let strength = constraint.strength;
-                expansion.times.push(TimeRow { constraint: id, strength, at, minus: None, seconds: *seconds });
+                expansion.times.push(TimeRow {
+                    constraint: id,
+                    strength,
+                    at,
+                    minus: None,
+                    seconds: *seconds,
+                });
             }
             ConstraintKind::Duration { from, to, seconds } => {
                 let (at, minus) = (time_point(scene, to), Some(time_point(scene, from)));
@@ -53,7 +65,13 @@ pub fn expand(scene: &Scene, rests: &[RestPath]) -> Expansion {
             }
             ConstraintKind::Sync { moments, offset } => {
                 for other in &moments[1..] {
-                    push_sync(&mut expansion.times, id, constraint.strength, scene, (&moments[0], other, *offset));
+                    push_sync(
+                        &mut expansion.times,
+                        id,
+                        constraint.strength,
+                        scene,
+                        (&moments[0], other, *offset),
+                    );
                 }
             }
         }
@@ -108,7 +126,11 @@ fn interval(from: f64, to: f64) -> Vec<(f64, f64)> {
 }
 
 /// Samples of a relative constraint: own frame, the partner's moment and frame, share of an interval.
-fn pairs<'a>(scene: &Scene, when: &When, partner: &'a Partner) -> Vec<(f64, Option<(&'a When, f64)>, Option<f64>)> {
+fn pairs<'a>(
+    scene: &Scene,
+    when: &When,
+    partner: &'a Partner,
+) -> Vec<(f64, Option<(&'a When, f64)>, Option<f64>)> {
     let own = samples(scene, when);
     let Partner::Character(other) = partner else {
         return own.into_iter().map(|(frame, share)| (frame, None, share)).collect();
@@ -118,7 +140,9 @@ fn pairs<'a>(scene: &Scene, when: &When, partner: &'a Partner) -> Vec<(f64, Opti
         When::At(moment) => (frame_of(scene, moment), frame_of(scene, moment)),
         When::During(from, to) => (frame_of(scene, from), frame_of(scene, to)),
     };
-    let at = |frame: f64| if last > first { start + (frame - first) / (last - first) * (end - start) } else { start };
+    let at = |frame: f64| {
+        if last > first { start + (frame - first) / (last - first) * (end - start) } else { start }
+    };
     own.into_iter().map(|(frame, share)| (frame, Some((other, at(frame))), share)).collect()
 }
 
@@ -141,7 +165,13 @@ fn rest_point(rests: &[RestPath], place: Place) -> c64 {
     path::at(&rests[place.path].positions, place.frame) + place.detail
 }
 
-fn push_pin(held: &mut Vec<HeldRow>, constraint: ConstraintId, strength: Strength, at: Place, kind: &ConstraintKind) {
+fn push_pin(
+    held: &mut Vec<HeldRow>,
+    constraint: ConstraintId,
+    strength: Strength,
+    at: Place,
+    kind: &ConstraintKind,
+) {
     let ConstraintKind::Pin { position, facing, .. } = kind else { return };
     let holds = [
         position.map(|target| Hold::Position { at, target }),
@@ -226,7 +256,9 @@ pub fn retarget(row: &mut HeldRow, kind: &ConstraintKind, objects: &[Object]) ->
             };
             (offset, facing, object)
         }
-        ConstraintKind::Time { .. } | ConstraintKind::Duration { .. } | ConstraintKind::Sync { .. } => return false,
+        ConstraintKind::Time { .. } | ConstraintKind::Duration { .. } | ConstraintKind::Sync { .. } => {
+            return false;
+        }
     };
     match (&mut row.hold, object) {
         (Hold::Position { target, .. }, Some(object)) => {
@@ -256,4 +288,3 @@ fn replace<T: Copy + PartialEq>(value: &mut T, relation: &Relation<T>) -> bool {
         _ => false,
     }
 }
-

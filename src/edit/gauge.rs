@@ -57,7 +57,10 @@ pub fn rows(
                 .filter(|(row, _)| free[(*row, column)].norm() > 1e-14)
                 .flat_map(|(row, (path, motion))| {
                     let share = free[(row, column)];
-                    motion.iter().enumerate().map(move |(frame, value)| (*path, frame, (share * value).conj()))
+                    motion
+                        .iter()
+                        .enumerate()
+                        .map(move |(frame, value)| (*path, frame, (share * value).conj()))
                 })
                 .collect()
         })

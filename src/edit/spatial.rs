@@ -140,7 +140,8 @@ impl PhaseSolver {
                 .map(|(row, y)| (y * self.all_hard_targets[*row]).norm())
                 .fold(1.0, f64::max);
             let rows = dependency.certificate();
-            (miss > AGREEMENT * size).then(|| (rows.into_iter().filter_map(|row| self.held_row(row)).collect(), miss))
+            (miss > AGREEMENT * size)
+                .then(|| (rows.into_iter().filter_map(|row| self.held_row(row)).collect(), miss))
         })
     }
 
@@ -395,7 +396,8 @@ impl SpatialComponent {
                 _ => self.factors[path].rotations.get(run.0).copied().unwrap_or(c64::new(1.0, 0.0)),
             }
         };
-        let runs = |(path, rest): (usize, &RestPath)| rest.rigid.iter().map(|run| rotation(path, *run)).collect();
+        let runs =
+            |(path, rest): (usize, &RestPath)| rest.rigid.iter().map(|run| rotation(path, *run)).collect();
         self.rests.iter().enumerate().map(runs).collect()
     }
 
@@ -423,7 +425,8 @@ impl SpatialComponent {
             let hold = self.held[*row].row.hold;
             for place in std::iter::once(hold.at()).chain(hold.to()) {
                 let rest = &self.rests[place.path];
-                let touched = rest.rigid.iter().position(|(a, b)| *a as f64 <= place.frame && place.frame <= *b as f64);
+                let touched =
+                    rest.rigid.iter().position(|(a, b)| *a as f64 <= place.frame && place.frame <= *b as f64);
                 runs.extend(touched.map(|run| (place.path, run)));
             }
         }
@@ -433,7 +436,8 @@ impl SpatialComponent {
         if !runs.is_empty() && !self.clashes_without_runs(rows) {
             return Ok(Attempt::Release(runs));
         }
-        let mut constraints: Vec<ConstraintId> = rows.iter().map(|row| self.held[*row].row.constraint).collect();
+        let mut constraints: Vec<ConstraintId> =
+            rows.iter().map(|row| self.held[*row].row.constraint).collect();
         constraints.sort_unstable();
         constraints.dedup();
         Err(SpatialError::Conflict { constraints, miss })

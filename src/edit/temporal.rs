@@ -5,8 +5,8 @@
 //! bounds as without). Source: Kim et al. 2009, §4.3; bounds: Goldfarb & Idnani 1983.
 
 use cotillion_solvers::{
-    BoundMethod, BoundedQp, BoundsError, DMatrix, DVector, Dependency, Difference, DifferenceError, Factor, KktError,
-    KktForm, LeastSquares, RowMatrix, Workspace, analyse, analyse_rank, node_bounds, solve_bounded,
+    BoundMethod, BoundedQp, BoundsError, DMatrix, DVector, Dependency, Difference, DifferenceError, Factor,
+    KktError, KktForm, LeastSquares, RowMatrix, Workspace, analyse, analyse_rank, node_bounds, solve_bounded,
 };
 
 use crate::clip::working::WORKING_STEP;
@@ -248,9 +248,8 @@ impl TemporalComponent {
         nodes.sort_by(|a, b| a.0.cmp(&b.0).then(a.1.total_cmp(&b.1)));
         nodes.dedup();
         let origin = nodes.len();
-        let node = |point: TimePoint| {
-            nodes.iter().position(|n| *n == (point.track, point.frame)).unwrap_or(origin)
-        };
+        let node =
+            |point: TimePoint| nodes.iter().position(|n| *n == (point.track, point.frame)).unwrap_or(origin);
         let mut differences = Vec::new();
         for (index, pair) in nodes.windows(2).enumerate().filter(|(_, pair)| pair[0].0 == pair[1].0) {
             let rest = (pair[1].1 - pair[0].1) * WORKING_STEP;
@@ -377,7 +376,8 @@ impl TemporalComponent {
     }
 
     fn knot_terms(&self, row: &TimeRow, knots: &[Vec<usize>], offsets: &[usize]) -> Vec<(usize, f64)> {
-        let column = |track: usize, frame: usize| offsets[track] + knots[track].partition_point(|k| *k < frame);
+        let column =
+            |track: usize, frame: usize| offsets[track] + knots[track].partition_point(|k| *k < frame);
         let mut terms = Vec::with_capacity(4);
         for (point, sign) in std::iter::once((row.at, 1.0)).chain(row.minus.map(|minus| (minus, -1.0))) {
             let (low, high, share) = bracket(point.frame, self.counts[point.track]);
@@ -439,8 +439,10 @@ fn soft_rows(rows: &[TimeRow], soft: &[usize], counts: &[usize], starts: &[usize
     }
     for row in soft {
         let root = weight(rows[*row].strength).sqrt();
-        let terms: Vec<(usize, f64)> =
-            row_terms(&rows[*row], counts, starts).into_iter().map(|(column, value)| (column, root * value)).collect();
+        let terms: Vec<(usize, f64)> = row_terms(&rows[*row], counts, starts)
+            .into_iter()
+            .map(|(column, value)| (column, root * value))
+            .collect();
         matrix.push_row(&terms);
     }
     matrix

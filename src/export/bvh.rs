@@ -86,16 +86,8 @@ fn write_joint(text: &mut String, joint: &Joint, depth: usize, has_position: boo
     line(text, depth, format_args!("{{"));
     line(text, depth + 1, format_args!("OFFSET {}", triple(joint.offset)));
     let [a, b, c] = joint.rotation_order.map(letter);
-    let (count, positions) = if has_position {
-        (6, "Xposition Yposition Zposition ")
-    } else {
-        (3, "")
-    };
-    line(
-        text,
-        depth + 1,
-        format_args!("CHANNELS {count} {positions}{a}rotation {b}rotation {c}rotation"),
-    );
+    let (count, positions) = if has_position { (6, "Xposition Yposition Zposition ") } else { (3, "") };
+    line(text, depth + 1, format_args!("CHANNELS {count} {positions}{a}rotation {b}rotation {c}rotation"));
     if let Some(end) = joint.end_site {
         line(text, depth + 1, format_args!("End Site"));
         line(text, depth + 1, format_args!("{{"));
@@ -141,11 +133,7 @@ pub fn euler_angles(rotation: DQuat, order: [Axis; 3], before: [f64; 3]) -> [f64
     let matrix = DMat3::from_quat(rotation.normalize());
     let entry = |row: usize, column: usize| matrix.col(column)[row];
     let cosine = entry(i, i).hypot(entry(i, j));
-    let alpha = if cosine < GIMBAL_COSINE {
-        before[0]
-    } else {
-        (-sign * entry(j, k)).atan2(entry(k, k))
-    };
+    let alpha = if cosine < GIMBAL_COSINE { before[0] } else { (-sign * entry(j, k)).atan2(entry(k, k)) };
     let beta = (sign * entry(i, k)).atan2(entry(j, k).hypot(entry(k, k)));
     let (sine_alpha, cosine_alpha) = alpha.sin_cos();
     let left_over = |column: usize| cosine_alpha * entry(j, column) + sign * sine_alpha * entry(k, column);
@@ -155,11 +143,7 @@ pub fn euler_angles(rotation: DQuat, order: [Axis; 3], before: [f64; 3]) -> [f64
     let flipped = nearest_turns([alpha + half_turn, half_turn - beta, gamma + half_turn], before);
     let distance = |angles: &[f64; 3]| -> f64 { angles.iter().zip(before).map(|(a, b)| (a - b).abs()).sum() };
     // In gimbal lock alpha is kept on purpose; flipping it would leave the lock on the far side.
-    if cosine >= GIMBAL_COSINE && distance(&flipped) < distance(&direct) {
-        flipped
-    } else {
-        direct
-    }
+    if cosine >= GIMBAL_COSINE && distance(&flipped) < distance(&direct) { flipped } else { direct }
 }
 
 fn nearest_turns(angles: [f64; 3], before: [f64; 3]) -> [f64; 3] {
@@ -186,11 +170,7 @@ fn letter(axis: Axis) -> char {
 fn triple(vector: DVec3) -> String {
     let digits = |value: f64| {
         let text = format!("{value:.10}");
-        if text == "-0.0000000000" {
-            text[1..].to_owned()
-        } else {
-            text
-        }
+        if text == "-0.0000000000" { text[1..].to_owned() } else { text }
     };
     format!("{} {} {}", digits(vector.x), digits(vector.y), digits(vector.z))
 }
@@ -202,8 +182,7 @@ fn line(text: &mut String, depth: usize, content: std::fmt::Arguments<'_>) {
 }
 
 fn append(text: &mut String, content: std::fmt::Arguments<'_>) {
-    text.write_fmt(content)
-        .expect("writing to a string does not fail");
+    text.write_fmt(content).expect("writing to a string does not fail");
 }
 
 /// Rotation of Euler angles, radians: the product of the turns about the axes `order`.
@@ -311,14 +290,8 @@ mod tests {
             })
             .collect();
         let clip = Clip::from_poses("four joints", Arc::new(skeleton), 1.0 / 0.0417, &poses);
-        let options = ReadOptions {
-            fps: None,
-            unit_to_m: Some(1.0),
-            up: Some(Up::Y),
-        };
-        let back = read(to_bvh(&clip).as_bytes(), "four joints", &options)
-            .expect("a valid file")
-            .clip;
+        let options = ReadOptions { fps: None, unit_to_m: Some(1.0), up: Some(Up::Y) };
+        let back = read(to_bvh(&clip).as_bytes(), "four joints", &options).expect("a valid file").clip;
         assert!((back.fps - clip.fps).abs() < 1e-12);
         // Depth first: the root, left, left end, right.
         for (here, there) in [(0, 0), (1, 1), (2, 3), (3, 2)] {

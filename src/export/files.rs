@@ -131,7 +131,8 @@ pub fn file_names(names: &[&str]) -> Vec<String> {
         let allowed = |c: char| if c.is_alphanumeric() || "-_ ".contains(c) { c } else { '_' };
         let plain: String = name.trim().chars().map(allowed).take(80).collect();
         let plain = if plain.is_empty() { "character".to_owned() } else { plain };
-        let clash = |candidate: &str| taken.iter().any(|known| known.to_lowercase() == candidate.to_lowercase());
+        let clash =
+            |candidate: &str| taken.iter().any(|known| known.to_lowercase() == candidate.to_lowercase());
         let mut candidate = plain.clone();
         let mut number = 2;
         while clash(&candidate) {

@@ -142,8 +142,13 @@ pub fn report(scene: &Scene, edit: &Edit, resampled: &Resampled) -> Report {
         characters: characters
             .map(|((character, edited), clip)| character_report(clock, character, edited, clip))
             .collect(),
-        constraints: constraints.map(|(constraint, residual)| constraint_report(constraint, &residual)).collect(),
-        moments: moment_times(scene, edit).into_iter().map(|MomentTime { name, time }| MomentReport { name, time }).collect(),
+        constraints: constraints
+            .map(|(constraint, residual)| constraint_report(constraint, &residual))
+            .collect(),
+        moments: moment_times(scene, edit)
+            .into_iter()
+            .map(|MomentTime { name, time }| MomentReport { name, time })
+            .collect(),
         energy: edit.energy,
         notes: edit.notes.iter().map(ToString::to_string).collect(),
         files: Vec::new(),
@@ -160,7 +165,8 @@ fn character_report(
     let track = &character.track;
     let last = track.frame_count() as f64 - 1.0 + track.overhang();
     let steps = edited.times.windows(2).map(|pair| (pair[1] - pair[0]) / WORKING_STEP);
-    let (min, max) = steps.fold((f64::INFINITY, f64::NEG_INFINITY), |(min, max), step| (min.min(step), max.max(step)));
+    let (min, max) =
+        steps.fold((f64::INFINITY, f64::NEG_INFINITY), |(min, max), step| (min.min(step), max.max(step)));
     let still = edited.times.len() < 2;
     let rest = rest_clip(fps, track);
     let rest_slide = foot_slide(&rest.clip, &rest.contacts).unwrap_or(0.0);

@@ -69,9 +69,8 @@ fn headings(edited: &EditedCharacter) -> Vec<f64> {
 fn actor<'a>(character: &'a Character, edited: &'a EditedCharacter, headings: &'a [f64]) -> Actor<'a> {
     let track = &character.track;
     let runs = track.placed_runs();
-    let clips = runs.map(|(run, start)| {
-        (track.clips[run.entry].name.clone(), start, start + run.frame_count() - 1)
-    });
+    let clips =
+        runs.map(|(run, start)| (track.clips[run.entry].name.clone(), start, start + run.frame_count() - 1));
     Actor {
         name: &character.name,
         rest: &edited.rest.positions,
@@ -117,12 +116,19 @@ fn handles(scene: &Scene, edit: &Edit, constraint: &Constraint) -> Vec<Handle> {
             };
             let place = |frame: f64| match offset {
                 Relation::Given(offset) => Some(object.position + cis(object.facing) * offset),
-                Relation::AsBefore => Some(path::at(&edit.characters[when.character().as_usize()].rest.positions, frame)),
+                Relation::AsBefore => {
+                    Some(path::at(&edit.characters[when.character().as_usize()].rest.positions, frame))
+                }
                 Relation::Free => None,
             };
-            ends(scene, when).into_iter().map(|frame| handle(when, frame, place(frame), angle, None)).collect()
+            ends(scene, when)
+                .into_iter()
+                .map(|frame| handle(when, frame, place(frame), angle, None))
+                .collect()
         }
-        ConstraintKind::Time { .. } | ConstraintKind::Duration { .. } | ConstraintKind::Sync { .. } => Vec::new(),
+        ConstraintKind::Time { .. } | ConstraintKind::Duration { .. } | ConstraintKind::Sync { .. } => {
+            Vec::new()
+        }
     }
 }
 
@@ -138,7 +144,9 @@ fn ties(scene: &Scene, edit: &Edit, constraint: &Constraint) -> Vec<Tie> {
                 moments.iter().map(|when| (when.character().as_usize(), ends(scene, when))).collect();
             let sides = frames.iter().map(|(_, frames)| frames.len()).min().unwrap_or(0);
             (0..sides)
-                .map(|side| tie(frames.iter().map(|(actor, frames)| point(*actor, frames[side])).collect(), false))
+                .map(|side| {
+                    tie(frames.iter().map(|(actor, frames)| point(*actor, frames[side])).collect(), false)
+                })
                 .collect()
         }
         _ => Vec::new(),

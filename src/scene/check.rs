@@ -28,10 +28,7 @@ pub fn check(
 ) -> Scene {
     refuse::refuse(raw, report);
     let folder = path.parent().unwrap_or(Path::new(""));
-    let folders = Folders {
-        scene: folder,
-        mocap: folders.mocap.as_deref(),
-    };
+    let folders = Folders { scene: folder, mocap: folders.mocap.as_deref() };
     let clips = clips::declared(raw, folders, report);
     let cast = cast(raw, &clips, report);
     let objects = objects(raw, report);
@@ -44,8 +41,7 @@ pub fn check(
     let characters = characters(raw, &cast, &checked, report);
     Scene {
         title: raw.title.value().cloned().unwrap_or_else(|| {
-            path.file_stem()
-                .map_or_else(String::new, |stem| stem.to_string_lossy().into_owned())
+            path.file_stem().map_or_else(String::new, |stem| stem.to_string_lossy().into_owned())
         }),
         fps: within(&raw.fps, 1000.0, "frames per second", report).unwrap_or(30.0),
         mode: match raw.mode.value() {
@@ -81,10 +77,8 @@ fn cast(raw: &raw::Scene, clips: &[Declared], report: &mut Report) -> Vec<Member
         report.fault(&Place::default(), "the scene has no character", help);
     }
     let mut used = vec![false; clips.len()];
-    let cast = characters
-        .iter()
-        .map(|character| member(&character.value, clips, &mut used, report))
-        .collect();
+    let cast =
+        characters.iter().map(|character| member(&character.value, clips, &mut used, report)).collect();
     clips::warn_of_unused(clips, &used, report);
     cast
 }
@@ -116,11 +110,7 @@ fn member(character: &raw::Character, clips: &[Declared], used: &mut [bool], rep
                 report.fault(place, format!("no clip \"{name}\""), help);
                 member.track_is_known = false;
                 let events = Arc::default();
-                member.track.push(Entry {
-                    name: name.clone(),
-                    clip: None,
-                    events,
-                });
+                member.track.push(Entry { name: name.clone(), clip: None, events });
             }
         }
     }
@@ -128,11 +118,7 @@ fn member(character: &raw::Character, clips: &[Declared], used: &mut [bool], rep
 }
 
 fn objects(raw: &raw::Scene, report: &mut Report) -> Vec<Object> {
-    raw.object
-        .tables()
-        .iter()
-        .filter_map(|object| sound_object(object, report))
-        .collect()
+    raw.object.tables().iter().filter_map(|object| sound_object(object, report)).collect()
 }
 
 fn sound_object(object: &At<raw::Object>, report: &mut Report) -> Option<Object> {
@@ -147,11 +133,7 @@ fn sound_object(object: &At<raw::Object>, report: &mut Report) -> Option<Object>
     for side in raw.size.value().into_iter().flatten() {
         if side.value <= 0.0 || side.value > FARTHEST {
             let message = format!("{} metres is no side of an object", side.value);
-            report.fault(
-                &side.place,
-                message,
-                format!("write a number above 0 and at most {FARTHEST}"),
-            );
+            report.fault(&side.place, message, format!("write a number above 0 and at most {FARTHEST}"));
         }
     }
     Some(Object {
@@ -164,16 +146,8 @@ fn sound_object(object: &At<raw::Object>, report: &mut Report) -> Option<Object>
 
 /// Reports characters and objects that share a name.
 fn check_unique(raw: &raw::Scene, report: &mut Report) {
-    let characters = raw
-        .character
-        .tables()
-        .iter()
-        .map(|character| (&character.value.name, "character"));
-    let objects = raw
-        .object
-        .tables()
-        .iter()
-        .map(|object| (&object.value.name, "object"));
+    let characters = raw.character.tables().iter().map(|character| (&character.value.name, "character"));
+    let objects = raw.object.tables().iter().map(|object| (&object.value.name, "object"));
     let mut first: BTreeMap<&String, &str> = BTreeMap::new();
     for (name, kind) in characters.chain(objects) {
         let Some(At { value: name, place }) = name.given() else {
@@ -225,11 +199,7 @@ fn protected(character: CharacterId, constraints: &[Constraint]) -> Vec<Protecte
         .filter_map(|moment| match moment.instant {
             Instant::Frame { entry, working } => {
                 let moment = moment.name.clone();
-                Some(Protected {
-                    entry,
-                    working,
-                    moment,
-                })
+                Some(Protected { entry, working, moment })
             }
             _ => None,
         })
@@ -242,34 +212,24 @@ fn track(
     protected: &[Protected],
     report: &mut Report,
 ) -> Option<Track> {
-    let position = character
-        .position
-        .given()
-        .map(|position| plan_point(position, report));
+    let position = character.position.given().map(|position| plan_point(position, report));
     let facing = character.facing.value().map(|degrees| degrees.to_radians());
     let places = character.track.given()?;
     let clips: Option<Vec<_>> = member.track.iter().map(|entry| entry.clip.clone()).collect();
     let clips = clips.filter(|clips| !clips.is_empty())?;
     let skeleton = &clips[0].clip.skeleton;
-    if let Some(other) = clips
-        .iter()
-        .position(|clip| !skeleton.matches(&clip.clip.skeleton))
-    {
+    if let Some(other) = clips.iter().position(|clip| !skeleton.matches(&clip.clip.skeleton)) {
         let (first, second) = (&clips[0].name, &clips[other].name);
         let message = format!(
             "\"{first}\" and \"{second}\" have different skeletons; a track that mixes skeletons is not available yet"
         );
-        report.fault(
-            &places.value[other].place,
-            message,
-            "use clips of one skeleton on a track",
-        );
+        report.fault(&places.value[other].place, message, "use clips of one skeleton on a track");
         return None;
     }
     let (track, seams) = Track::string(clips, protected, (position, facing));
     for seam in seams.iter().filter(|seam| seam.distance > seam.admissible) {
         let place = places.value.get(seam.entry).map_or(&places.place, |at| &at.place);
-        report.warn(place, seam_of_unlike_poses(seam, &member.track), &seam_remedy(seam));
+        report.warn(place, seam_of_unlike_poses(seam, &member.track), seam_remedy(seam));
     }
     Some(track)
 }
@@ -277,9 +237,7 @@ fn track(
 fn seam_of_unlike_poses(seam: &SeamChoice, track: &[Entry]) -> String {
     let name = |entry: usize| track.get(entry).map_or("", |entry| entry.name.as_str());
     let (before, after) = (name(seam.entry), name(seam.entry + 1));
-    let SeamChoice {
-        distance, admissible, ..
-    } = seam;
+    let SeamChoice { distance, admissible, .. } = seam;
     format!(
         "\"{before}\" and \"{after}\" meet at unlike poses (distance {distance:.2}, similar up to {admissible:.2})"
     )

@@ -72,13 +72,7 @@ pub struct Checker<'a> {
 impl Checker<'_> {
     /// Adds the constraint with the head `head`, where `kind` is sound.
     pub fn keep(&mut self, head: Head<'_>, kind: Option<ConstraintKind>) {
-        let Head {
-            keyword,
-            index,
-            place,
-            name,
-            strength,
-        } = head;
+        let Head { keyword, index, place, name, strength } = head;
         let own = format!("{keyword}[{index}]");
         let strength = self.strength(strength);
         if let Some(name) = name.given() {
@@ -88,8 +82,7 @@ impl Checker<'_> {
         if let Some(other) = self.names.insert(called.clone(), own) {
             let message = format!("{other} is already called \"{called}\"");
             let place = name.given().map_or(place, |name| &name.place);
-            self.report
-                .fault(place, message, "give each constraint a name of its own, or none");
+            self.report.fault(place, message, "give each constraint a name of its own, or none");
         }
         let Some(kind) = kind else {
             return;
@@ -101,26 +94,15 @@ impl Checker<'_> {
             self.report.warn(place, message, help);
         }
         let line = u32::try_from(self.lines.position(place.span.start).0).unwrap_or(u32::MAX);
-        self.checked.constraints.push(Constraint {
-            name: called,
-            line,
-            strength,
-            kind,
-        });
+        self.checked.constraints.push(Constraint { name: called, line, strength, kind });
         self.checked.places.push(place.clone());
     }
 
     fn strength(&mut self, strength: &Field<values::Strength>) -> Strength {
         match strength.given() {
             None => Strength::default(),
-            Some(At {
-                value: WordOr::Word(_),
-                ..
-            }) => Strength::Hard,
-            Some(At {
-                value: WordOr::Other(weight),
-                place,
-            }) => {
+            Some(At { value: WordOr::Word(_), .. }) => Strength::Hard,
+            Some(At { value: WordOr::Other(weight), place }) => {
                 if *weight <= 0.0 {
                     let message = format!("{weight} is no weight");
                     let help =
@@ -137,14 +119,12 @@ impl Checker<'_> {
         match (at, during) {
             (Field::Absent, Field::Absent) => {
                 let help = "add at = \"CHARACTER:start\", or during with two moments";
-                self.report
-                    .fault(table, "neither \"at\" nor \"during\" says when", help);
+                self.report.fault(table, "neither \"at\" nor \"during\" says when", help);
                 None
             }
             (Field::Given(_), Field::Given(during)) => {
                 let help = "keep \"at\" for an instant, or \"during\" for an interval";
-                self.report
-                    .fault(&during.place, "\"at\" and \"during\" exclude each other", help);
+                self.report.fault(&during.place, "\"at\" and \"during\" exclude each other", help);
                 None
             }
             (Field::Given(at), _) => self.moment(&at.value, &at.place).map(When::At),
@@ -166,13 +146,10 @@ impl Checker<'_> {
     pub fn of_one_character(&mut self, from: Moment, to: Moment, place: &Place) -> Option<(Moment, Moment)> {
         if from.character != to.character {
             let message = format!("\"{}\" and \"{}\" are of two characters", from.name, to.name);
-            self.report
-                .fault(place, message, "name two moments of one character");
+            self.report.fault(place, message, "name two moments of one character");
             return None;
         }
-        self.checked
-            .intervals
-            .push((from.clone(), to.clone(), place.clone()));
+        self.checked.intervals.push((from.clone(), to.clone(), place.clone()));
         Some((from, to))
     }
 
@@ -193,8 +170,7 @@ impl Checker<'_> {
         let At { value, place } = seconds.given()?;
         if value.abs() > LONGEST {
             let message = format!("{value} seconds is too far away");
-            self.report
-                .fault(place, message, format!("stay within {LONGEST} seconds"));
+            self.report.fault(place, message, format!("stay within {LONGEST} seconds"));
         }
         Some(*value)
     }
@@ -220,11 +196,7 @@ pub fn check_intervals(checked: &Checked, cast: &[Member], tracks: &[Option<Trac
         let forwards = order(from.instant, &cast[who]) < order(to.instant, &cast[who]);
         if !forwards || located == Some(false) {
             let message = format!("\"{}\" does not come before \"{}\"", from.name, to.name);
-            report.fault(
-                place,
-                message,
-                "write the earlier moment first, the later one second",
-            );
+            report.fault(place, message, "write the earlier moment first, the later one second");
         }
     }
 }

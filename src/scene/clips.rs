@@ -29,9 +29,7 @@ impl ClipFolders {
     /// What `$COTILLION_MOCAP` says.
     pub fn from_environment() -> Self {
         let mocap = std::env::var_os("COTILLION_MOCAP").filter(|folder| !folder.is_empty());
-        Self {
-            mocap: mocap.map(PathBuf::from),
-        }
+        Self { mocap: mocap.map(PathBuf::from) }
     }
 }
 
@@ -65,14 +63,7 @@ pub fn declared(scene: &raw::Scene, folders: Folders<'_>, report: &mut Report) -
     let sources: Vec<_> = clips
         .iter()
         .map(|(name, clip)| {
-            check_name(
-                &At {
-                    value: name.clone(),
-                    place: clip.place.clone(),
-                },
-                "clip",
-                report,
-            );
+            check_name(&At { value: name.clone(), place: clip.place.clone() }, "clip", report);
             source_of(clip, folders, report)
         })
         .collect();
@@ -82,20 +73,15 @@ pub fn declared(scene: &raw::Scene, folders: Folders<'_>, report: &mut Report) -
         .zip(&sources)
         .map(|((name, clip), source)| {
             let place = &clip.place;
-            let read = source
-                .as_ref()
-                .and_then(|(source, place)| match &results[&source.key()] {
-                    Ok(read) => Some(read),
-                    Err(Unreadable { message, help }) => {
-                        report.fault(place, message.clone(), help.clone());
-                        None
-                    }
-                });
+            let read = source.as_ref().and_then(|(source, place)| match &results[&source.key()] {
+                Ok(read) => Some(read),
+                Err(Unreadable { message, help }) => {
+                    report.fault(place, message.clone(), help.clone());
+                    None
+                }
+            });
             let entry = entry(name, clip, read, report);
-            Declared {
-                place: place.clone(),
-                entry,
-            }
+            Declared { place: place.clone(), entry }
         })
         .collect()
 }
@@ -116,15 +102,9 @@ pub fn check_name(name: &At<String>, what: &str, report: &mut Report) {
 
 /// Reads every distinct source once.
 fn read_once(sources: &[Option<(Source, Place)>]) -> BTreeMap<String, Result<Read, Unreadable>> {
-    let distinct: BTreeMap<String, &Source> = sources
-        .iter()
-        .flatten()
-        .map(|(source, _)| (source.key(), source))
-        .collect();
-    distinct
-        .into_par_iter()
-        .map(|(key, source)| (key, read(source)))
-        .collect()
+    let distinct: BTreeMap<String, &Source> =
+        sources.iter().flatten().map(|(source, _)| (source.key(), source)).collect();
+    distinct.into_par_iter().map(|(key, source)| (key, read(source))).collect()
 }
 
 /// Where `clip` comes from, and the place that says so.
@@ -199,28 +179,14 @@ fn options_of(file: &raw::FileClip, report: &mut Report) -> Option<FileOptions> 
     let fps = within(&file.fps, 1000.0, "frames per second", report);
     let unit_to_m = match file.unit.given() {
         None => None,
-        Some(At {
-            value: WordOr::Word(name),
-            ..
-        }) => Some(match name {
+        Some(At { value: WordOr::Word(name), .. }) => Some(match name {
             UnitName::Metre => 1.0,
             UnitName::Centimetre => 0.01,
             UnitName::Inch => 0.0254,
         }),
-        Some(At {
-            value: Unit::Other(metres),
-            place,
-        }) => {
-            let given = At {
-                value: *metres,
-                place: place.clone(),
-            };
-            Some(within(
-                &Field::Given(given),
-                1000.0,
-                "metres per unit of the file",
-                report,
-            )?)
+        Some(At { value: Unit::Other(metres), place }) => {
+            let given = At { value: *metres, place: place.clone() };
+            Some(within(&Field::Given(given), 1000.0, "metres per unit of the file", report)?)
         }
     };
     let up: Option<Up> = file.up.value().copied();
@@ -249,11 +215,7 @@ fn entry(name: &str, declared: &At<raw::Clip>, read: Option<&Read>, report: &mut
     };
     check_event_names(events, report);
     let Some(Read { clip, notes }) = read else {
-        return Entry {
-            name: name.to_owned(),
-            clip: None,
-            events: Arc::default(),
-        };
+        return Entry { name: name.to_owned(), clip: None, events: Arc::default() };
     };
     for note in notes {
         let help = "settle it in the clip's table, or leave it if it is right";
@@ -262,20 +224,11 @@ fn entry(name: &str, declared: &At<raw::Clip>, read: Option<&Read>, report: &mut
     let range = range(clip, frames, &declared.place, report);
     let mut named = clip.events.clone();
     if let Some(events) = events.value() {
-        named.extend(
-            events
-                .0
-                .iter()
-                .map(|(event, frame)| (event.clone(), SourceFrame(frame.value))),
-        );
+        named.extend(events.0.iter().map(|(event, frame)| (event.clone(), SourceFrame(frame.value))));
         check_events(events, range, report);
     }
     let working = range.map(|(first, last)| WorkingClip::new(name, Arc::clone(clip), first, last));
-    Entry {
-        name: name.to_owned(),
-        clip: working.map(Arc::new),
-        events: Arc::new(named),
-    }
+    Entry { name: name.to_owned(), clip: working.map(Arc::new), events: Arc::new(named) }
 }
 
 /// First and last frame to use; `None`, reported, if the clip has no such range.
@@ -288,10 +241,9 @@ fn range(
     let (first, last, place) = match frames {
         Field::Spoiled => return None,
         Field::Absent => (clip.usable.0, clip.usable.1, place),
-        Field::Given(At {
-            value: [first, last],
-            place,
-        }) => (SourceFrame(first.value), SourceFrame(last.value), place),
+        Field::Given(At { value: [first, last], place }) => {
+            (SourceFrame(first.value), SourceFrame(last.value), place)
+        }
     };
     let count = clip.frame_count();
     if last.as_usize() >= count {
@@ -305,30 +257,19 @@ fn range(
     }
     if first > last {
         let message = format!("the first frame, {}, comes after the last, {}", first.0, last.0);
-        report.fault(
-            place,
-            message,
-            format!("write frames = [{}, {}]", last.0, first.0),
-        );
+        report.fault(place, message, format!("write frames = [{}, {}]", last.0, first.0));
         return None;
     }
     let seconds = f64::from(last.0 - first.0) / clip.fps;
     if seconds > LONGEST_CLIP {
-        let message = format!(
-            "{seconds:.0} seconds at {} frames a second is more than a day",
-            clip.fps
-        );
+        let message = format!("{seconds:.0} seconds at {} frames a second is more than a day", clip.fps);
         report.fault(place, message, "give the clip its right fps, or fewer frames");
         return None;
     }
     let shortest = WORKING_STEP * (FEWEST_WORKING_FRAMES as f64 - 1.0);
     if seconds < shortest * (1.0 - 1e-9) {
         let message = format!("{seconds:.3} seconds are too short to be edited");
-        report.fault(
-            place,
-            message,
-            format!("use a range of at least {shortest:.3} seconds"),
-        );
+        report.fault(place, message, format!("use a range of at least {shortest:.3} seconds"));
         return None;
     }
     Some((first, last))
@@ -336,14 +277,7 @@ fn range(
 
 fn check_event_names(events: &Field<Named<u32>>, report: &mut Report) {
     for (name, frame) in events.value().map_or(&[][..], |events| &events.0) {
-        check_name(
-            &At {
-                value: name.clone(),
-                place: frame.place.clone(),
-            },
-            "event",
-            report,
-        );
+        check_name(&At { value: name.clone(), place: frame.place.clone() }, "event", report);
         if name == "start" || name == "end" || name.parse::<u32>().is_ok() {
             let message = format!("an event cannot be called \"{name}\"");
             report.fault(
@@ -361,10 +295,7 @@ fn check_events(events: &Named<u32>, range: Option<(SourceFrame, SourceFrame)>, 
     };
     for (name, frame) in &events.0 {
         if !(first.0..=last.0).contains(&frame.value) {
-            let message = format!(
-                "the event \"{name}\" is at frame {}, outside the clip",
-                frame.value
-            );
+            let message = format!("the event \"{name}\" is at frame {}, outside the clip", frame.value);
             let help = format!("the clip uses frames {} to {} of its file", first.0, last.0);
             report.fault(&frame.place, message, help);
         }
@@ -381,11 +312,8 @@ pub fn warn_of_unused(clips: &[Declared], used: &[bool], report: &mut Report) {
 
 /// Position of the clip called `name`, or what to do about its absence.
 pub fn find(name: &str, clips: &[Declared]) -> Result<usize, String> {
-    clips
-        .iter()
-        .position(|clip| clip.entry.name == name)
-        .ok_or_else(|| {
-            let names: Vec<_> = clips.iter().map(|clip| clip.entry.name.as_str()).collect();
-            suggest::remedy(name, "clips", &names)
-        })
+    clips.iter().position(|clip| clip.entry.name == name).ok_or_else(|| {
+        let names: Vec<_> = clips.iter().map(|clip| clip.entry.name.as_str()).collect();
+        suggest::remedy(name, "clips", &names)
+    })
 }

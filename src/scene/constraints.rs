@@ -50,29 +50,16 @@ impl Checker<'_> {
         let position = pin.position.given().map(|pair| plan_point(pair, self.report));
         let when = self.when(&table.place, &pin.at, &pin.during);
         let facing = pin.facing.value().map(|degrees| degrees.to_radians());
-        Some(ConstraintKind::Pin {
-            when: when?,
-            position,
-            facing,
-        })
+        Some(ConstraintKind::Pin { when: when?, position, facing })
     }
 
     fn relative(&mut self, table: &At<raw::Relative>) -> Option<ConstraintKind> {
         let relative = &table.value;
         let offset = match relative.offset.given() {
             None => Relation::AsBefore,
-            Some(At {
-                value: WordOr::Word(_),
-                ..
-            }) => Relation::Free,
-            Some(At {
-                value: WordOr::Other(pair),
-                place,
-            }) => {
-                let pair = At {
-                    value: pair.clone(),
-                    place: place.clone(),
-                };
+            Some(At { value: WordOr::Word(_), .. }) => Relation::Free,
+            Some(At { value: WordOr::Other(pair), place }) => {
+                let pair = At { value: pair.clone(), place: place.clone() };
                 Relation::Given(plan_point(&pair, self.report))
             }
         };
@@ -83,8 +70,7 @@ impl Checker<'_> {
         };
         if offset == Relation::<c64>::Free && relative.facing.is_absent() {
             let help = "give an offset or a facing, or leave \"offset\" out to keep it as before the edit";
-            self.report
-                .fault(&table.place, "neither offset nor facing is held", help);
+            self.report.fault(&table.place, "neither offset nor facing is held", help);
         }
         let when = self.when(&table.place, &relative.at, &relative.during);
         let partner = relative.to.given().and_then(|to| self.partner(to, when.as_ref()));
@@ -95,15 +81,9 @@ impl Checker<'_> {
             let name = &self.cast[when.character().as_usize()].name;
             let message = format!("\"{name}\" cannot be held relative to \"{name}\"");
             let place = relative.to.given().map_or(&table.place, |to| &to.place);
-            self.report
-                .fault(place, message, "name a moment of somebody else, or an object");
+            self.report.fault(place, message, "name a moment of somebody else, or an object");
         }
-        Some(ConstraintKind::Relative {
-            when,
-            partner,
-            offset,
-            facing,
-        })
+        Some(ConstraintKind::Relative { when, partner, offset, facing })
     }
 
     fn partner(&mut self, to: &At<OneOrPair>, when: Option<&When>) -> Option<Partner> {
@@ -113,8 +93,7 @@ impl Checker<'_> {
                 let help = format!(
                     "write to = [\"{text}\", …] with the two moments that bound the partner's interval"
                 );
-                self.report
-                    .fault(&to.place, "an interval needs an interval of the partner", help);
+                self.report.fault(&to.place, "an interval needs an interval of the partner", help);
                 None
             }
             (OneOrPair::One(text), _) => {
@@ -123,8 +102,7 @@ impl Checker<'_> {
             }
             (OneOrPair::Pair(_), Some(When::At(_))) => {
                 let help = "name one moment, or use \"during\" with two moments in place of \"at\"";
-                self.report
-                    .fault(&to.place, "an instant needs one moment of the partner", help);
+                self.report.fault(&to.place, "an instant needs one moment of the partner", help);
                 None
             }
             (OneOrPair::Pair(pair), _) => {
@@ -140,16 +118,11 @@ impl Checker<'_> {
         }
         if self.cast.iter().any(|member| member.name == name) {
             let message = format!("\"{name}\" is a character: say at which moment");
-            self.report
-                .fault(place, message, format!("write a moment such as \"{name}:start\""));
+            self.report.fault(place, message, format!("write a moment such as \"{name}:start\""));
         } else if self.objects.iter().all(|known| !known.is_empty()) {
             let help = suggest::remedy(name, "objects", &self.objects);
             let message = format!("no object \"{name}\"");
-            self.report.fault(
-                place,
-                message,
-                format!("{help}; a moment of a character needs ':'"),
-            );
+            self.report.fault(place, message, format!("{help}; a moment of a character needs ':'"));
         }
         None
     }
@@ -158,10 +131,7 @@ impl Checker<'_> {
         let time = &table.value;
         let seconds = self.seconds(&time.seconds);
         let at = time.at.given().and_then(|at| self.moment(&at.value, &at.place));
-        Some(ConstraintKind::Time {
-            at: at?,
-            seconds: seconds?,
-        })
+        Some(ConstraintKind::Time { at: at?, seconds: seconds? })
     }
 
     fn duration(&mut self, table: &At<raw::Duration>) -> Option<ConstraintKind> {
@@ -173,21 +143,11 @@ impl Checker<'_> {
             let message = format!("{} seconds is no duration", given.value);
             self.report.fault(&given.place, message, "write a number above 0");
         }
-        let from = duration
-            .from
-            .given()
-            .and_then(|at| self.moment(&at.value, &at.place));
-        let to = duration
-            .to
-            .given()
-            .and_then(|at| self.moment(&at.value, &at.place));
+        let from = duration.from.given().and_then(|at| self.moment(&at.value, &at.place));
+        let to = duration.to.given().and_then(|at| self.moment(&at.value, &at.place));
         let place = duration.to.given().map_or(&table.place, |to| &to.place);
         let (from, to) = self.of_one_character(from?, to?, place)?;
-        Some(ConstraintKind::Duration {
-            from,
-            to,
-            seconds: seconds?,
-        })
+        Some(ConstraintKind::Duration { from, to, seconds: seconds? })
     }
 
     fn sync(&mut self, table: &At<raw::Sync>) -> Option<ConstraintKind> {
@@ -195,14 +155,12 @@ impl Checker<'_> {
         let (place, count) = match (&sync.moments, &sync.intervals) {
             (Field::Absent, Field::Absent) => {
                 let help = "add moments = [\"ann:start\", \"bob:start\"]";
-                self.report
-                    .fault(&table.place, "the sync has neither moments nor intervals", help);
+                self.report.fault(&table.place, "the sync has neither moments nor intervals", help);
                 return None;
             }
             (Field::Given(_), Field::Given(intervals)) => {
                 let help = "keep one of them, and make a second [[sync]] of the other";
-                self.report
-                    .fault(&intervals.place, "a sync has either moments or intervals", help);
+                self.report.fault(&intervals.place, "a sync has either moments or intervals", help);
                 return None;
             }
             (Field::Given(moments), _) => (&moments.place, moments.value.len()),
@@ -211,26 +169,17 @@ impl Checker<'_> {
         };
         if count < 2 {
             let message = format!("{count} of two or more");
-            self.report
-                .fault(place, message, "name at least two that happen together");
+            self.report.fault(place, message, "name at least two that happen together");
         }
         if let Some(offset) = sync.offset.given()
             && count > 2
         {
             let message = format!("an offset is between two, but this sync has {count}");
-            self.report
-                .fault(&offset.place, message, "make a [[sync]] of two for each offset");
+            self.report.fault(&offset.place, message, "make a [[sync]] of two for each offset");
         }
-        let offset = if sync.offset.is_absent() {
-            Some(0.0)
-        } else {
-            self.seconds(&sync.offset)
-        };
+        let offset = if sync.offset.is_absent() { Some(0.0) } else { self.seconds(&sync.offset) };
         let moments = self.synchronized(sync);
-        Some(ConstraintKind::Sync {
-            moments: moments?,
-            offset: offset?,
-        })
+        Some(ConstraintKind::Sync { moments: moments?, offset: offset? })
     }
 
     /// Moments or intervals of `sync`, of different characters.
@@ -242,10 +191,7 @@ impl Checker<'_> {
         let mut all: Vec<_> = moments.collect();
         let intervals = sync.intervals.value().into_iter().flatten().map(|at| {
             let interval = self.interval(&at.value, &at.place);
-            (
-                interval.map(|(from, to)| When::During(from, to)),
-                at.place.clone(),
-            )
+            (interval.map(|(from, to)| When::During(from, to)), at.place.clone())
         });
         all.extend(intervals);
         let mut seen = Vec::new();
@@ -255,10 +201,8 @@ impl Checker<'_> {
             };
             let who = when.character();
             if seen.contains(&who) {
-                let message = format!(
-                    "\"{}\" cannot be at two moments at once",
-                    self.cast[who.as_usize()].name
-                );
+                let message =
+                    format!("\"{}\" cannot be at two moments at once", self.cast[who.as_usize()].name);
                 self.report.fault(
                     place,
                     message,

@@ -91,16 +91,11 @@ pub fn render(diagnostics: &[Diagnostic], text: &str, rendering: Rendering) -> S
         Rendering::Graphical => GraphicalTheme::unicode_nocolor(),
     };
     let handler = GraphicalReportHandler::new_themed(theme).with_width(110);
-    let file = diagnostics
-        .first()
-        .map_or("", |diagnostic| diagnostic.file.as_str());
+    let file = diagnostics.first().map_or("", |diagnostic| diagnostic.file.as_str());
     let source = NamedSource::new(file, text.to_owned());
     let mut shown = String::new();
     for (index, diagnostic) in diagnostics.iter().enumerate() {
-        let underlined = Underlined {
-            diagnostic,
-            source: &source,
-        };
+        let underlined = Underlined { diagnostic, source: &source };
         if index >= MOST_UNDERLINED
             || !fits(diagnostic, text)
             || handler.render_report(&mut shown, &underlined).is_err()
@@ -112,34 +107,19 @@ pub fn render(diagnostics: &[Diagnostic], text: &str, rendering: Rendering) -> S
 }
 
 fn plain(diagnostic: &Diagnostic) -> String {
-    let Diagnostic {
-        file,
-        line,
-        column,
-        message,
-        ..
-    } = diagnostic;
+    let Diagnostic { file, line, column, message, .. } = diagnostic;
     let kind = match diagnostic.severity {
         Severity::Fault => "error",
         Severity::Warning => "warning",
     };
-    let field = diagnostic
-        .field
-        .as_ref()
-        .map_or(String::new(), |field| format!("{field}: "));
-    let help = diagnostic
-        .help
-        .as_ref()
-        .map_or(String::new(), |help| format!("  help: {help}\n"));
+    let field = diagnostic.field.as_ref().map_or(String::new(), |field| format!("{field}: "));
+    let help = diagnostic.help.as_ref().map_or(String::new(), |help| format!("  help: {help}\n"));
     format!("{file}:{line}:{column}: {kind}: {field}{message}\n{help}")
 }
 
 /// Whether the line of `diagnostic` and its neighbours are short enough to be shown.
 fn fits(diagnostic: &Diagnostic, text: &str) -> bool {
-    text.lines()
-        .skip(diagnostic.line.saturating_sub(2))
-        .take(3)
-        .all(|line| line.len() <= LONGEST_SHOWN_LINE)
+    text.lines().skip(diagnostic.line.saturating_sub(2)).take(3).all(|line| line.len() <= LONGEST_SHOWN_LINE)
 }
 
 /// A diagnostic beside the text it is about.

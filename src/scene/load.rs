@@ -41,15 +41,8 @@ pub fn load(path: &Path, folders: &ClipFolders) -> Result<Loaded, SceneFaults> {
         Ok(Err(error)) => {
             let at = error.utf8_error().valid_up_to();
             let text = String::from_utf8_lossy(error.as_bytes()).into_owned();
-            let place = Place {
-                span: at..at + 1,
-                field: String::new(),
-            };
-            report.fault(
-                &place,
-                "the file is not UTF-8 from here on",
-                "save it as UTF-8 text",
-            );
+            let place = Place { span: at..at + 1, field: String::new() };
+            report.fault(&place, "the file is not UTF-8 from here on", "save it as UTF-8 text");
             Err(faults(report, path, &text))
         }
         Err(reason) => {
@@ -72,21 +65,11 @@ pub fn load_text(text: &str, path: &Path, folders: &ClipFolders) -> Result<Loade
         let span = error.span().unwrap_or(0..0);
         let message = format!("not TOML: {}", error.message());
         let help = "mend this first; everything else is checked once the file is TOML";
-        report.fault(
-            &Place {
-                span,
-                field: String::new(),
-            },
-            message,
-            help,
-        );
+        report.fault(&Place { span, field: String::new() }, message, help);
         return Err(faults(report, path, text));
     }
     let table = DeValue::Table(table.into_inner());
-    let node = Node {
-        value: &table,
-        place: Place::default(),
-    };
+    let node = Node { value: &table, place: Place::default() };
     let raw = raw::Scene::read(&node, &mut report).expect("a document is a table");
     let scene = check::check(&raw, path, &Lines::of(text), folders, &mut report);
     debug_assert!(
@@ -97,21 +80,13 @@ pub fn load_text(text: &str, path: &Path, folders: &ClipFolders) -> Result<Loade
         return Err(faults(report, path, text));
     }
     let (_, warnings) = report.finish(&path.display().to_string(), text);
-    Ok(Loaded {
-        scene,
-        warnings,
-        text: text.to_owned(),
-    })
+    Ok(Loaded { scene, warnings, text: text.to_owned() })
 }
 
 fn faults(report: Report, path: &Path, text: &str) -> SceneFaults {
     let file = path.display().to_string();
     let (faults, _) = report.finish(&file, text);
-    SceneFaults {
-        faults,
-        text: text.to_owned(),
-        file,
-    }
+    SceneFaults { faults, text: text.to_owned(), file }
 }
 
 #[cfg(test)]
@@ -184,9 +159,7 @@ min_step = 0.5
     fn warnings(text: &str) -> Vec<String> {
         let loaded = load(text).expect("the scene is sound");
         let messages = loaded.warnings.into_iter().map(|warning| warning.message);
-        messages
-            .filter(|message| !message.contains("unlike poses"))
-            .collect()
+        messages.filter(|message| !message.contains("unlike poses")).collect()
     }
 
     #[test]
@@ -195,22 +168,11 @@ min_step = 0.5
         assert_eq!((scene.title.as_str(), scene.fps), ("meet", 30.0));
         assert_eq!(scene.warp.min_step, Some(0.5));
         assert_eq!(scene.objects[0].position, c64::new(0.0, 2.0));
-        let names: Vec<_> = scene
-            .constraints
-            .iter()
-            .map(|constraint| constraint.name.as_str())
-            .collect();
-        assert_eq!(
-            names,
-            ["corner", "relative[0]", "relative[1]", "duration[0]", "sync[0]"]
-        );
+        let names: Vec<_> = scene.constraints.iter().map(|constraint| constraint.name.as_str()).collect();
+        assert_eq!(names, ["corner", "relative[0]", "relative[1]", "duration[0]", "sync[0]"]);
         assert_eq!(scene.constraints[0].line, 24);
         assert_eq!(scene.constraints[0].strength, Strength::Hard);
-        let ConstraintKind::Pin {
-            when: When::At(moment),
-            position,
-            facing,
-        } = &scene.constraints[0].kind
+        let ConstraintKind::Pin { when: When::At(moment), position, facing } = &scene.constraints[0].kind
         else {
             panic!("pins come first");
         };
@@ -229,18 +191,12 @@ min_step = 0.5
         let ConstraintKind::Relative { offset, facing, .. } = &scene.constraints[1].kind else {
             panic!("relatives come second");
         };
-        assert_eq!(
-            (*offset, *facing),
-            (Relation::Given(c64::new(0.9, 0.1)), Relation::AsBefore)
-        );
+        assert_eq!((*offset, *facing), (Relation::Given(c64::new(0.9, 0.1)), Relation::AsBefore));
         assert_eq!(scene.constraints[1].strength, Strength::Soft(2.5));
         let ConstraintKind::Relative { partner, offset, .. } = &scene.constraints[2].kind else {
             panic!("relatives come second");
         };
-        assert_eq!(
-            (partner, *offset),
-            (&Partner::Object(crate::index::ObjectId(0)), Relation::Free)
-        );
+        assert_eq!((partner, *offset), (&Partner::Object(crate::index::ObjectId(0)), Relation::Free));
         assert_eq!(scene.constraints[2].strength, Strength::default());
     }
 
@@ -277,9 +233,8 @@ min_step = 0.5
         let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/bad_scenes/scene.toml");
         let text = "[clips]\nsteps = { file = \"clips/steps.bvh\", fps = 45, unit = \"cm\", up = \"y\", frames = [3, 30] }\n\
             [[character]]\nname = \"ann\"\ntrack = [\"steps\"]\n[[time]]\nat = \"ann:4\"\nseconds = 1\n";
-        let scene = load_text(text, Path::new(folder), &ClipFolders::default())
-            .expect("the scene is sound")
-            .scene;
+        let scene =
+            load_text(text, Path::new(folder), &ClipFolders::default()).expect("the scene is sound").scene;
         let ConstraintKind::Time { at, .. } = &scene.constraints[0].kind else {
             panic!("there is one constraint");
         };
@@ -295,10 +250,7 @@ min_step = 0.5
             "slap = \"builtin:slap\"",
             "slap = \"builtin:slap\"\nagain = { builtin = \"slap\", frames = [0, 20] }",
         );
-        let text = text.replace(
-            "track = [\"walk\", \"slap\"]",
-            "track = [\"walk\", \"slap\", \"again\"]",
-        );
+        let text = text.replace("track = [\"walk\", \"slap\"]", "track = [\"walk\", \"slap\", \"again\"]");
         let scene = load(&text).expect("the scene is sound").scene;
         let clips = &scene.characters[0].track.clips;
         assert!(std::sync::Arc::ptr_eq(&clips[1].clip, &clips[2].clip));
@@ -321,26 +273,16 @@ min_step = 0.5
     fn a_scene_that_is_not_there_says_so() {
         let faults = super::load(Path::new("/nowhere/scene.toml"), &ClipFolders::default())
             .expect_err("it is not there");
-        assert!(
-            faults
-                .to_string()
-                .starts_with("/nowhere/scene.toml:1:1: error: cannot read")
-        );
+        assert!(faults.to_string().starts_with("/nowhere/scene.toml:1:1: error: cannot read"));
     }
 
     #[test]
     fn deep_nesting_and_one_endless_line_end_in_faults() {
         let deep = format!("title = {}{}", "[".repeat(100_000), "]".repeat(100_000));
-        let long = format!(
-            "[clips]\nwalk = {{ builtin = \"walk\", x = [{}] }}",
-            "1, ".repeat(100_000)
-        );
+        let long = format!("[clips]\nwalk = {{ builtin = \"walk\", x = [{}] }}", "1, ".repeat(100_000));
         for text in [deep, long] {
             let faults = load(&text).expect_err("it is no scene");
-            assert!(
-                faults.render(Rendering::Graphical).len() < 10_000,
-                "a long line is not shown"
-            );
+            assert!(faults.render(Rendering::Graphical).len() < 10_000, "a long line is not shown");
         }
     }
 

@@ -65,12 +65,7 @@ pub fn parse(text: &str) -> Result<MomentText<'_>, MomentSyntax> {
         Some(Ok(number)) if number >= 1 => Some(number),
         Some(_) => return Err(MomentSyntax::UseNumber),
     };
-    Ok(MomentText {
-        character,
-        clip,
-        use_number,
-        what,
-    })
+    Ok(MomentText { character, clip, use_number, what })
 }
 
 /// Characters that no name may hold.
@@ -121,31 +116,21 @@ pub fn resolve(text: &str, cast: &[Member]) -> Result<Moment, Unresolved> {
         let help = "write CHARACTER:WHAT or CHARACTER/CLIP:WHAT, such as \"ann:start\" or \"ann/slap#2:hit\"";
         wrong(format!("\"{text}\" is no moment: {error}"), help)
     })?;
-    let position = cast
-        .iter()
-        .position(|member| member.name == parsed.character)
-        .ok_or_else(|| {
-            if cast.iter().any(|member| member.name.is_empty()) {
-                return Unresolved::Spoiled;
-            }
-            let names: Vec<_> = cast.iter().map(|member| member.name.as_str()).collect();
-            let help = suggest::remedy(parsed.character, "characters", &names);
-            wrong(format!("no character \"{}\"", parsed.character), help)
-        })?;
+    let position = cast.iter().position(|member| member.name == parsed.character).ok_or_else(|| {
+        if cast.iter().any(|member| member.name.is_empty()) {
+            return Unresolved::Spoiled;
+        }
+        let names: Vec<_> = cast.iter().map(|member| member.name.as_str()).collect();
+        let help = suggest::remedy(parsed.character, "characters", &names);
+        wrong(format!("no character \"{}\"", parsed.character), help)
+    })?;
     let instant = instant(&parsed, &cast[position])?;
     let character = CharacterId::from_usize(position);
-    Ok(Moment {
-        character,
-        instant,
-        name: text.to_owned(),
-    })
+    Ok(Moment { character, instant, name: text.to_owned() })
 }
 
 fn wrong(message: impl Into<String>, help: impl Into<String>) -> Unresolved {
-    Unresolved::Wrong {
-        message: message.into(),
-        help: help.into(),
-    }
+    Unresolved::Wrong { message: message.into(), help: help.into() }
 }
 
 fn instant(parsed: &MomentText<'_>, member: &Member) -> Result<Instant, Unresolved> {
@@ -175,29 +160,18 @@ fn entry_of(clip: &str, parsed: &MomentText<'_>, member: &Member) -> Result<usiz
         None if count == 1 => Ok(uses[0]),
         Some(number) if number <= count => Ok(uses[number - 1]),
         Some(number) => {
-            let message = format!(
-                "\"{}\" performs \"{clip}\" {count} times, not {number}",
-                member.name
-            );
-            Err(wrong(
-                message,
-                format!("write #1 to #{count}, or none where it is used once"),
-            ))
+            let message = format!("\"{}\" performs \"{clip}\" {count} times, not {number}", member.name);
+            Err(wrong(message, format!("write #1 to #{count}, or none where it is used once")))
         }
         None => {
             let message = format!("\"{}\" performs \"{clip}\" {count} times", member.name);
-            Err(wrong(
-                message,
-                format!("say which: {}", choices(parsed.what, &uses, member)),
-            ))
+            Err(wrong(message, format!("say which: {}", choices(parsed.what, &uses, member))))
         }
     }
 }
 
 fn uses_of(clip: &str, member: &Member) -> Vec<usize> {
-    (0..member.track.len())
-        .filter(|entry| member.track[*entry].name == clip)
-        .collect()
+    (0..member.track.len()).filter(|entry| member.track[*entry].name == clip).collect()
 }
 
 fn not_on_track(clip: &str, member: &Member) -> Unresolved {
@@ -227,10 +201,7 @@ fn anywhere(what: &str, member: &Member) -> Result<Instant, Unresolved> {
         _ => {
             let entries: Vec<_> = found.iter().map(|(entry, _)| *entry).collect();
             let message = format!("\"{what}\" fits {} places of \"{}\"", entries.len(), member.name);
-            Err(wrong(
-                message,
-                format!("say which: {}", choices(what, &entries, member)),
-            ))
+            Err(wrong(message, format!("say which: {}", choices(what, &entries, member))))
         }
     }
 }
@@ -240,19 +211,11 @@ fn nowhere(what: &str, member: &Member) -> Unresolved {
         return frame_of(what, only).err().unwrap_or(Unresolved::Spoiled);
     }
     let mut known = vec!["start", "end"];
-    known.extend(
-        member
-            .track
-            .iter()
-            .flat_map(|entry| entry.events.keys().map(String::as_str)),
-    );
+    known.extend(member.track.iter().flat_map(|entry| entry.events.keys().map(String::as_str)));
     known.sort_unstable();
     known.dedup();
     let help = suggest::remedy(what, "moments of the track", &known);
-    let message = format!(
-        "no clip on the track of \"{}\" has the event or frame \"{what}\"",
-        member.name
-    );
+    let message = format!("no clip on the track of \"{}\" has the event or frame \"{what}\"", member.name);
     wrong(message, help)
 }
 
@@ -264,11 +227,7 @@ fn choices(what: &str, entries: &[usize], member: &Member) -> String {
             let clip = &member.track[*entry].name;
             let uses = uses_of(clip, member);
             let number = uses.iter().position(|used| used == entry).unwrap_or(0) + 1;
-            let number = if uses.len() > 1 {
-                format!("#{number}")
-            } else {
-                String::new()
-            };
+            let number = if uses.len() > 1 { format!("#{number}") } else { String::new() };
             format!("{}/{clip}{number}:{what}", member.name)
         })
         .collect();
@@ -294,10 +253,7 @@ fn frame_of(what: &str, entry: &Entry) -> Result<f64, Unresolved> {
     };
     if !(first..=last).contains(&frame) {
         let message = format!("{whose} is outside the frames of clip \"{name}\", {first} to {last}");
-        return Err(wrong(
-            message,
-            "name a frame inside, or widen \"frames\" of the clip",
-        ));
+        return Err(wrong(message, "name a frame inside, or widen \"frames\" of the clip"));
     }
     Ok(clip.working_frame(f64::from(frame)))
 }

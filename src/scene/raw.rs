@@ -86,11 +86,7 @@ impl Read for Clip {
                 Some(Self::File(Box::new(clip)))
             }
             _ => {
-                wrong_type(
-                    node,
-                    "a file name in quotes, or a table with \"file\" or \"builtin\"",
-                    report,
-                );
+                wrong_type(node, "a file name in quotes, or a table with \"file\" or \"builtin\"", report);
                 Some(Self::Spoiled)
             }
         }

@@ -43,15 +43,12 @@ impl Report {
 
     /// Whether anything keeps the scene from being used.
     pub fn has_faults(&self) -> bool {
-        self.found
-            .iter()
-            .any(|(severity, ..)| *severity == Severity::Fault)
+        self.found.iter().any(|(severity, ..)| *severity == Severity::Fault)
     }
 
     /// Faults and warnings of the file `file` that says `text`, each in the order of the file, none twice.
     pub fn finish(mut self, file: &str, text: &str) -> (Vec<Diagnostic>, Vec<Diagnostic>) {
-        self.found
-            .sort_by_key(|(_, place, ..)| (place.span.start, place.span.end));
+        self.found.sort_by_key(|(_, place, ..)| (place.span.start, place.span.end));
         let lines = Lines::of(text);
         let mut all: Vec<_> = self
             .found
@@ -71,8 +68,7 @@ impl Report {
             })
             .collect();
         all.dedup();
-        all.into_iter()
-            .partition(|diagnostic| diagnostic.severity == Severity::Fault)
+        all.into_iter().partition(|diagnostic| diagnostic.severity == Severity::Fault)
     }
 }
 
@@ -86,10 +82,7 @@ impl<'a> Lines<'a> {
     /// Cost: linear in the text.
     pub fn of(text: &'a str) -> Self {
         let after_breaks = text.match_indices('\n').map(|(at, _)| at + 1);
-        Self {
-            text,
-            starts: std::iter::once(0).chain(after_breaks).collect(),
-        }
+        Self { text, starts: std::iter::once(0).chain(after_breaks).collect() }
     }
 
     /// Line and column (in characters) of a byte, both from 1.
@@ -116,10 +109,7 @@ mod tests {
 
     #[test]
     fn faults_come_in_the_order_of_the_file_whatever_the_order_of_finding() {
-        let place = |start: usize| Place {
-            span: start..start + 1,
-            field: String::new(),
-        };
+        let place = |start: usize| Place { span: start..start + 1, field: String::new() };
         let mut report = Report::default();
         report.fault(&place(4), "late", "b");
         report.warn(&place(2), "between", "c");

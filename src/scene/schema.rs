@@ -53,17 +53,9 @@ mod tests {
         let table = DeTable::parse(text).expect("the tests write TOML").into_inner();
         let table = DeValue::Table(table);
         let mut report = Report::default();
-        let _ = T::read(
-            &Node {
-                value: &table,
-                place: Place::default(),
-            },
-            &mut report,
-        );
+        let _ = T::read(&Node { value: &table, place: Place::default() }, &mut report);
         let (faults, _) = report.finish("", text);
-        let parts = faults
-            .into_iter()
-            .map(|fault| (fault.message, fault.help.unwrap_or_default()));
+        let parts = faults.into_iter().map(|fault| (fault.message, fault.help.unwrap_or_default()));
         parts.collect()
     }
 
@@ -74,24 +66,17 @@ mod tests {
 
     /// Asserts that the reader and the schema of a table know the same keys and require the same ones.
     fn agree<T: Read + JsonSchema>() {
-        let schema = SchemaSettings::draft07()
-            .into_generator()
-            .into_root_schema_for::<T>()
-            .to_value();
-        let keys: BTreeSet<_> = schema["properties"]
-            .as_object()
-            .into_iter()
-            .flat_map(|keys| keys.keys().cloned())
-            .collect();
+        let schema = SchemaSettings::draft07().into_generator().into_root_schema_for::<T>().to_value();
+        let keys: BTreeSet<_> =
+            schema["properties"].as_object().into_iter().flat_map(|keys| keys.keys().cloned()).collect();
         let required: BTreeSet<_> = schema["required"]
             .as_array()
             .into_iter()
             .flatten()
             .filter_map(|key| key.as_str().map(str::to_owned))
             .collect();
-        let (missing, unknown): (Vec<_>, Vec<_>) = faults::<T>("zzzzzz = 1")
-            .into_iter()
-            .partition(|(message, _)| message.ends_with("is missing"));
+        let (missing, unknown): (Vec<_>, Vec<_>) =
+            faults::<T>("zzzzzz = 1").into_iter().partition(|(message, _)| message.ends_with("is missing"));
         let asked: BTreeSet<_> = missing.iter().flat_map(|(message, _)| quoted(message)).collect();
         assert_eq!(quoted(&unknown[0].1), keys, "keys of {}", T::schema_name());
         assert_eq!(asked, required, "required keys of {}", T::schema_name());
@@ -157,16 +142,8 @@ mod tests {
                 let path = rule.as_str().unwrap_or_default().trim_start_matches('#');
                 root.pointer(path).is_some_and(|target| fits(value, target, root))
             }
-            "anyOf" | "oneOf" => rule
-                .as_array()
-                .into_iter()
-                .flatten()
-                .any(|rule| fits(value, rule, root)),
-            "allOf" => rule
-                .as_array()
-                .into_iter()
-                .flatten()
-                .all(|rule| fits(value, rule, root)),
+            "anyOf" | "oneOf" => rule.as_array().into_iter().flatten().any(|rule| fits(value, rule, root)),
+            "allOf" => rule.as_array().into_iter().flatten().all(|rule| fits(value, rule, root)),
             "type" => match rule.as_str() {
                 Some("object") => value.is_object(),
                 Some("array") => value.is_array(),
@@ -189,11 +166,8 @@ mod tests {
                 .flatten()
                 .all(|(key, value)| rule.get(key).is_none_or(|rule| fits(value, rule, root))),
             "additionalProperties" => {
-                let known = |key: &str| {
-                    schema
-                        .get("properties")
-                        .is_some_and(|known| known.get(key).is_some())
-                };
+                let known =
+                    |key: &str| schema.get("properties").is_some_and(|known| known.get(key).is_some());
                 value
                     .as_object()
                     .into_iter()
@@ -201,17 +175,13 @@ mod tests {
                     .filter(|(key, _)| !known(key))
                     .all(|(_, value)| fits(value, rule, root))
             }
-            "items" => value
-                .as_array()
-                .into_iter()
-                .flatten()
-                .all(|value| fits(value, rule, root)),
-            "minItems" => value
-                .as_array()
-                .is_none_or(|values| values.len() as u64 >= rule.as_u64().unwrap_or(0)),
-            "maxItems" => value
-                .as_array()
-                .is_none_or(|values| values.len() as u64 <= rule.as_u64().unwrap_or(0)),
+            "items" => value.as_array().into_iter().flatten().all(|value| fits(value, rule, root)),
+            "minItems" => {
+                value.as_array().is_none_or(|values| values.len() as u64 >= rule.as_u64().unwrap_or(0))
+            }
+            "maxItems" => {
+                value.as_array().is_none_or(|values| values.len() as u64 <= rule.as_u64().unwrap_or(0))
+            }
             _ => true,
         })
     }
@@ -221,20 +191,12 @@ mod tests {
         let schema = schema();
         let fits_schema = |text: &str| {
             let table: toml::Table = toml::from_str(text).expect("the tests write TOML");
-            fits(
-                &serde_json::to_value(table).expect("a scene has no NaN"),
-                &schema,
-                &schema,
-            )
+            fits(&serde_json::to_value(table).expect("a scene has no NaN"), &schema, &schema)
         };
         assert!(fits_schema(EXAMPLE));
-        assert!(!fits_schema(
-            &EXAMPLE.replace("joint = \"right_hand\"\ntarget", "target")
-        ));
+        assert!(!fits_schema(&EXAMPLE.replace("joint = \"right_hand\"\ntarget", "target")));
         assert!(!fits_schema(&EXAMPLE.replace("moments =", "momments =")));
-        assert!(!fits_schema(
-            &EXAMPLE.replace("strength = \"hard\"", "strength = \"soft\"")
-        ));
+        assert!(!fits_schema(&EXAMPLE.replace("strength = \"hard\"", "strength = \"soft\"")));
         assert!(!fits_schema(&EXAMPLE.replace("[-3.0, 0.0]", "[-3.0, 0.0, 1.0]")));
     }
 }

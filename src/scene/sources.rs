@@ -76,10 +76,7 @@ pub fn read(source: &Source) -> Result<Read, Unreadable> {
     match source {
         Source::File { path, options } => read_file(path, *options),
         Source::Builtin { name, parameters } => match builtin::generate(name, parameters) {
-            Ok(clip) => Ok(Read {
-                clip: Arc::new(clip),
-                notes: Vec::new(),
-            }),
+            Ok(clip) => Ok(Read { clip: Arc::new(clip), notes: Vec::new() }),
             Err(error) => Err(Unreadable {
                 message: error.to_string(),
                 help: "`cotillion clips` lists the generated clips and their parameters".to_owned(),
@@ -98,9 +95,7 @@ fn read_file(path: &Path, options: FileOptions) -> Result<Read, Unreadable> {
             Up::Z => bvh::Up::Z,
         }),
     };
-    let name = path
-        .file_stem()
-        .map_or_else(String::new, |stem| stem.to_string_lossy().into_owned());
+    let name = path.file_stem().map_or_else(String::new, |stem| stem.to_string_lossy().into_owned());
     match bvh::read(&bytes, &name, &options) {
         Ok(read) => Ok(Read {
             clip: Arc::new(read.clip),
@@ -141,14 +136,10 @@ fn missing(path: &Path) -> Unreadable {
         let help = format!("there is no folder {folder} either: paths start at the folder of the scene file");
         return Unreadable { message, help };
     };
-    let mut names: Vec<_> = entries
-        .flatten()
-        .map(|entry| entry.file_name().to_string_lossy().into_owned())
-        .collect();
+    let mut names: Vec<_> =
+        entries.flatten().map(|entry| entry.file_name().to_string_lossy().into_owned()).collect();
     names.sort_unstable();
-    let wanted = path
-        .file_name()
-        .map_or_else(String::new, |name| name.to_string_lossy().into_owned());
+    let wanted = path.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned());
     let similar = suggest::similar(&wanted, names.iter().map(String::as_str), LEAST_LIKENESS);
     let help = match similar.as_slice() {
         [] => "put the file there, or correct the path: it starts at the folder of the scene file".to_owned(),

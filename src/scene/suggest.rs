@@ -37,12 +37,8 @@ pub fn remedy(name: &str, what: &str, known: &[&str]) -> String {
 
 /// `"a", "b"`, cut short where it is long.
 pub fn list(names: &[&str]) -> String {
-    let mut list = names
-        .iter()
-        .take(LONGEST_LIST)
-        .map(|name| format!("\"{name}\""))
-        .collect::<Vec<_>>()
-        .join(", ");
+    let mut list =
+        names.iter().take(LONGEST_LIST).map(|name| format!("\"{name}\"")).collect::<Vec<_>>().join(", ");
     if names.len() > LONGEST_LIST {
         list += &format!(" and {} more", names.len() - LONGEST_LIST);
     }

@@ -11,29 +11,18 @@ use crate::scene::report::Report;
 pub fn warn_of_untied(checked: &Checked, cast: &[Member], report: &mut Report) {
     let ties = Ties::of(checked, cast);
     for (constraint, place) in checked.constraints.iter().zip(&checked.places) {
-        let ConstraintKind::Relative {
-            when,
-            partner: Partner::Character(other),
-            ..
-        } = &constraint.kind
+        let ConstraintKind::Relative { when, partner: Partner::Character(other), .. } = &constraint.kind
         else {
             continue;
         };
-        let untied = when
-            .moments()
-            .into_iter()
-            .zip(other.moments())
-            .find(|(mine, theirs)| !ties.tied(mine, theirs));
+        let untied =
+            when.moments().into_iter().zip(other.moments()).find(|(mine, theirs)| !ties.tied(mine, theirs));
         if let Some((mine, theirs)) = untied {
-            let message = format!(
-                "nothing makes \"{}\" and \"{}\" happen together",
-                mine.name, theirs.name
-            );
+            let message = format!("nothing makes \"{}\" and \"{}\" happen together", mine.name, theirs.name);
             let help = match when {
-                When::At(_) => format!(
-                    "add a [[sync]] with moments = [\"{}\", \"{}\"]",
-                    mine.name, theirs.name
-                ),
+                When::At(_) => {
+                    format!("add a [[sync]] with moments = [\"{}\", \"{}\"]", mine.name, theirs.name)
+                }
                 When::During(..) => "add a [[sync]] with the two intervals".to_owned(),
             };
             report.warn(place, message, help);
@@ -54,11 +43,7 @@ struct Ties<'a> {
 
 impl<'a> Ties<'a> {
     fn of(checked: &Checked, cast: &'a [Member]) -> Self {
-        let mut ties = Self {
-            cast,
-            positions: BTreeMap::new(),
-            parents: vec![0],
-        };
+        let mut ties = Self { cast, positions: BTreeMap::new(), parents: vec![0] };
         for constraint in &checked.constraints {
             match &constraint.kind {
                 ConstraintKind::Time { at, .. } => {

@@ -105,12 +105,7 @@ impl<'a, 'r> Keys<'a, 'r> {
             wrong_type(node, "a table of keys and values", report);
             return None;
         };
-        Some(Self {
-            table,
-            place: node.place.clone(),
-            asked: Vec::new(),
-            report,
-        })
+        Some(Self { table, place: node.place.clone(), asked: Vec::new(), report })
     }
 
     /// Value of a key that may be left out.
@@ -120,15 +115,9 @@ impl<'a, 'r> Keys<'a, 'r> {
             return Field::Absent;
         };
         let place = child(&self.place, key, value.span());
-        let node = Node {
-            value: value.get_ref(),
-            place,
-        };
+        let node = Node { value: value.get_ref(), place };
         match T::read(&node, self.report) {
-            Some(value) => Field::Given(At {
-                value,
-                place: node.place,
-            }),
+            Some(value) => Field::Given(At { value, place: node.place }),
             None => Field::Spoiled,
         }
     }
@@ -163,21 +152,9 @@ impl<'a, 'r> Keys<'a, 'r> {
             let Some(value) = self.table.get(key.as_str()) else {
                 continue;
             };
-            let node = Node {
-                value: value.get_ref(),
-                place: Place {
-                    span: value.span(),
-                    ..place
-                },
-            };
+            let node = Node { value: value.get_ref(), place: Place { span: value.span(), ..place } };
             if let Some(value) = T::read(&node, self.report) {
-                values.insert(
-                    key,
-                    At {
-                        value,
-                        place: node.place,
-                    },
-                );
+                values.insert(key, At { value, place: node.place });
             }
         }
         values
@@ -200,16 +177,8 @@ impl<'a, 'r> Keys<'a, 'r> {
 /// Place of the key `key` of the table at `parent`.
 fn child(parent: &Place, key: &str, span: Range<usize>) -> Place {
     let bare = !key.is_empty() && key.chars().all(|c| c.is_alphanumeric() || c == '_' || c == '-');
-    let key: Cow<'_, str> = if bare {
-        key.into()
-    } else {
-        format!("{key:?}").into()
-    };
-    let field = if parent.field.is_empty() {
-        key.into_owned()
-    } else {
-        format!("{}.{key}", parent.field)
-    };
+    let key: Cow<'_, str> = if bare { key.into() } else { format!("{key:?}").into() };
+    let field = if parent.field.is_empty() { key.into_owned() } else { format!("{}.{key}", parent.field) };
     Place { span, field }
 }
 
@@ -236,19 +205,10 @@ pub fn elements<T: Read>(node: &Node<'_>, expected: &str, report: &mut Report) -
     let mut values = Vec::new();
     let mut sound = true;
     for (index, element) in array.iter().enumerate() {
-        let place = Place {
-            span: element.span(),
-            field: format!("{}[{index}]", node.place.field),
-        };
-        let element = Node {
-            value: element.get_ref(),
-            place,
-        };
+        let place = Place { span: element.span(), field: format!("{}[{index}]", node.place.field) };
+        let element = Node { value: element.get_ref(), place };
         match T::read(&element, report) {
-            Some(value) => values.push(At {
-                value,
-                place: element.place,
-            }),
+            Some(value) => values.push(At { value, place: element.place }),
             None => sound = false,
         }
     }

@@ -81,10 +81,7 @@ impl Read for u32 {
     }
 }
 
-#[expect(
-    clippy::cast_precision_loss,
-    reason = "the file's number as near as f64 can say it"
-)]
+#[expect(clippy::cast_precision_loss, reason = "the file's number as near as f64 can say it")]
 fn whole_number(value: &DeValue<'_>) -> Option<f64> {
     let whole = value.as_integer()?;
     let value = i128::from_str_radix(whole.as_str(), whole.radix()).ok()?;
@@ -128,24 +125,11 @@ impl<T: Read> Read for Tables<T> {
         let key = &node.place.field;
         if node.value.is_table() {
             let message = format!("[{key}] is one table, but there may be many");
-            report.fault(
-                &node.place,
-                message,
-                format!("write [[{key}]] in double brackets"),
-            );
-            let place = Place {
-                field: format!("{key}[0]"),
-                ..node.place.clone()
-            };
-            let node = Node {
-                value: node.value,
-                place,
-            };
+            report.fault(&node.place, message, format!("write [[{key}]] in double brackets"));
+            let place = Place { field: format!("{key}[0]"), ..node.place.clone() };
+            let node = Node { value: node.value, place };
             let value = T::read(&node, report)?;
-            return Some(Self(vec![At {
-                value,
-                place: node.place,
-            }]));
+            return Some(Self(vec![At { value, place: node.place }]));
         }
         elements(node, &format!("tables headed [[{key}]]"), report).map(Self)
     }

@@ -92,10 +92,7 @@ pub(super) struct Body {
 impl Body {
     pub(super) fn new(stature: f64) -> Self {
         let scale = stature / REFERENCE_STATURE;
-        Self {
-            skeleton: Arc::new(skeleton(scale)),
-            scale,
-        }
+        Self { skeleton: Arc::new(skeleton(scale)), scale }
     }
 
     /// A pose with this trunk, the rest as in the rest pose; head level, looking ahead.
@@ -105,7 +102,8 @@ impl Body {
         let twist = DQuat::from_rotation_y((trunk.chest_turn - trunk.pelvis_turn) / 2.0);
         let straighten = DQuat::from_rotation_z(-trunk.pelvis_list / 2.0);
         let bend = DQuat::from_rotation_x(trunk.lean / 2.0);
-        let look = DQuat::from_rotation_x(-trunk.lean / 2.0) * DQuat::from_rotation_y(-trunk.chest_turn / 2.0);
+        let look =
+            DQuat::from_rotation_x(-trunk.lean / 2.0) * DQuat::from_rotation_y(-trunk.chest_turn / 2.0);
         pose.rotations[PELVIS] =
             DQuat::from_rotation_y(trunk.pelvis_turn) * DQuat::from_rotation_z(trunk.pelvis_list);
         pose.rotations[SPINE] = straighten * twist * bend;
@@ -209,9 +207,7 @@ fn skeleton(scale: f64) -> Skeleton {
         .chain(arm(Side::Right))
         .chain(leg(Side::Left))
         .chain(leg(Side::Right));
-    Skeleton {
-        joints: rows.map(|row| joint(row, scale)).collect(),
-    }
+    Skeleton { joints: rows.map(|row| joint(row, scale)).collect() }
 }
 
 fn joint((name, parent, offset, end_site, role): Row, scale: f64) -> Joint {

@@ -49,12 +49,7 @@ impl Gait {
         const WALK_RATIO: f64 = 0.39;
         let step = (speed * WALK_RATIO * body.scale).sqrt();
         let half_period = (step / speed * fps).round() / fps;
-        let mut gait = Self {
-            height: PELVIS_HEIGHT * body.scale,
-            period: 2.0 * half_period,
-            body,
-            speed,
-        };
+        let mut gait = Self { height: PELVIS_HEIGHT * body.scale, period: 2.0 * half_period, body, speed };
         gait.height = gait.highest_reachable();
         gait
     }
@@ -80,11 +75,7 @@ impl Gait {
             self.speed * self.period * (cycle + delay) + self.reach_ahead(),
         );
         let turn = side.sign() * TOES_OUT;
-        if phase < TOE_OFF {
-            self.supporting(plant, turn, phase)
-        } else {
-            self.swinging(plant, turn, phase)
-        }
+        if phase < TOE_OFF { self.supporting(plant, turn, phase) } else { self.swinging(plant, turn, phase) }
     }
 
     /// Distance of a striking ankle ahead of the pelvis, metres.
@@ -134,8 +125,7 @@ impl Gait {
             longest = longest.max(stretch);
             let back = side.sign() * wave(0.04);
             let bend = 0.28 + 0.14 * pace * (1.0 - back);
-            self.body
-                .hang_arm(&mut pose, side, pace * (0.36 * back - 0.02), bend);
+            self.body.hang_arm(&mut pose, side, pace * (0.36 * back - 0.02), bend);
         }
         (pose, longest)
     }

@@ -158,20 +158,15 @@ pub fn names() -> &'static [BuiltinInfo] {
 /// # Errors
 /// [`BuiltinError`] for an unknown name, an unknown parameter, a value out of range.
 pub fn generate(name: &str, parameters: &BTreeMap<String, f64>) -> Result<Clip, BuiltinError> {
-    let info = names()
-        .iter()
-        .find(|info| info.name == name)
-        .ok_or_else(|| BuiltinError::UnknownName {
-            name: name.to_owned(),
-            suggestion: closest(name, names().iter().map(|info| info.name)),
-        })?;
+    let info = names().iter().find(|info| info.name == name).ok_or_else(|| BuiltinError::UnknownName {
+        name: name.to_owned(),
+        suggestion: closest(name, names().iter().map(|info| info.name)),
+    })?;
     check(info, parameters)?;
-    let value = |parameter: &BuiltinParameter| parameters.get(parameter.name).copied().unwrap_or(parameter.default);
-    let values: BTreeMap<&str, f64> = info
-        .parameters
-        .iter()
-        .map(|parameter| (parameter.name, value(parameter)))
-        .collect();
+    let value =
+        |parameter: &BuiltinParameter| parameters.get(parameter.name).copied().unwrap_or(parameter.default);
+    let values: BTreeMap<&str, f64> =
+        info.parameters.iter().map(|parameter| (parameter.name, value(parameter))).collect();
     let body = Body::new(values["stature"]);
     let last_frame = floor_index(values["seconds"] * FPS + 0.5);
     Ok(match info.name {
@@ -193,11 +188,15 @@ fn walk(body: Body, speed: f64, last_frame: usize) -> Clip {
 }
 
 /// A clip whose pose depends on the body, its seconds and the share of it that has passed.
-fn on_the_spot(info: &BuiltinInfo, body: &Body, last_frame: usize, pose: fn(&Body, f64, f64) -> Pose) -> Clip {
+fn on_the_spot(
+    info: &BuiltinInfo,
+    body: &Body,
+    last_frame: usize,
+    pose: fn(&Body, f64, f64) -> Pose,
+) -> Clip {
     let seconds = last_frame as f64 / FPS;
-    let poses: Vec<Pose> = (0..=last_frame)
-        .map(|frame| pose(body, seconds, frame as f64 / last_frame as f64))
-        .collect();
+    let poses: Vec<Pose> =
+        (0..=last_frame).map(|frame| pose(body, seconds, frame as f64 / last_frame as f64)).collect();
     Clip::from_poses(info.name, body.skeleton.clone(), FPS, &poses)
 }
 

@@ -105,12 +105,7 @@ fn strike(u: f64) -> f64 {
 fn between(from: &Pose, to: &Pose, s: f64) -> Pose {
     Pose {
         root: from.root.lerp(to.root, s),
-        rotations: from
-            .rotations
-            .iter()
-            .zip(&to.rotations)
-            .map(|(a, b)| slerp(*a, *b, s))
-            .collect(),
+        rotations: from.rotations.iter().zip(&to.rotations).map(|(a, b)| slerp(*a, *b, s)).collect(),
         offsets: Vec::new(),
     }
 }

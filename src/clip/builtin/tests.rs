@@ -12,10 +12,7 @@ use crate::skeleton::{JointFrame, JointRole};
 const ROUNDING: f64 = 1e-9;
 
 fn made(name: &str, parameters: &[(&str, f64)]) -> Clip {
-    let parameters = parameters
-        .iter()
-        .map(|(name, value)| ((*name).to_owned(), *value))
-        .collect();
+    let parameters = parameters.iter().map(|(name, value)| ((*name).to_owned(), *value)).collect();
     generate(name, &parameters).expect("valid parameters")
 }
 
@@ -123,13 +120,11 @@ fn strike_phases(clip: &Clip) -> [Vec<f64>; 2] {
 fn threshold_rules_see_alternating_stances() {
     for clip in many().into_iter().filter(|clip| clip.name == "walk") {
         let [left, right] = [JointRole::LeftFoot, JointRole::RightFoot].map(|foot| down(&clip, foot, 0.08));
-        let [left_toe, right_toe] = [JointRole::LeftToe, JointRole::RightToe].map(|toe| down(&clip, toe, 0.05));
+        let [left_toe, right_toe] =
+            [JointRole::LeftToe, JointRole::RightToe].map(|toe| down(&clip, toe, 0.05));
         let frames = clip.frame_count() - 1;
         for frame in 0..frames {
-            assert!(
-                left[frame] || right[frame] || left_toe[frame] || right_toe[frame],
-                "{frame} flies"
-            );
+            assert!(left[frame] || right[frame] || left_toe[frame] || right_toe[frame], "{frame} flies");
         }
         for contact in [left, right, left_toe, right_toe] {
             let share = contact[..frames].iter().filter(|down| **down).count() as f64 / frames as f64;
@@ -142,9 +137,7 @@ fn threshold_rules_see_alternating_stances() {
 fn down(clip: &Clip, role: JointRole, height: f64) -> Vec<bool> {
     let path = trajectory(clip, role);
     let lowest = path.iter().map(|p| p.y).fold(f64::INFINITY, f64::min);
-    path.windows(2)
-        .map(|pair| pair[0].y < lowest + height && pair[0].distance(pair[1]) * FPS < 0.4)
-        .collect()
+    path.windows(2).map(|pair| pair[0].y < lowest + height && pair[0].distance(pair[1]) * FPS < 0.4).collect()
 }
 
 #[test]
@@ -202,7 +195,11 @@ fn knees_and_elbows_bend_one_way() {
                 let bent = clip.pose(SourceFrame::from_usize(frame)).rotations[joint] * bone;
                 let flexion = bone.cross(bent).dot(axis).atan2(bone.dot(bent));
                 assert!(bent.dot(axis).abs() < 1e-6, "{role:?} bends sideways");
-                assert!((0.0..2.4).contains(&(flexion + 1e-9)), "{role:?} of {} {frame}: {flexion}", clip.name);
+                assert!(
+                    (0.0..2.4).contains(&(flexion + 1e-9)),
+                    "{role:?} of {} {frame}: {flexion}",
+                    clip.name
+                );
             }
         }
     }
@@ -269,9 +266,7 @@ fn arms_and_legs_take_turns() {
 #[test]
 fn mistakes_name_what_is_known() {
     let wrong = |name: &str, parameter: &str, value: f64| {
-        generate(name, &BTreeMap::from([(parameter.to_owned(), value)]))
-            .expect_err("a mistake")
-            .to_string()
+        generate(name, &BTreeMap::from([(parameter.to_owned(), value)])).expect_err("a mistake").to_string()
     };
     assert_eq!(
         wrong("wlak", "speed", 1.0),
@@ -281,10 +276,7 @@ fn mistakes_name_what_is_known() {
         wrong("walk", "sped", 1.0),
         "generated clip \"walk\" has no parameter \"sped\"; did you mean \"speed\"? (known: \"speed\", \"seconds\", \"stature\")"
     );
-    assert_eq!(
-        wrong("walk", "speed", 9.0),
-        "speed = 9 of generated clip \"walk\" is outside 0.5 to 1.8 m/s"
-    );
+    assert_eq!(wrong("walk", "speed", 9.0), "speed = 9 of generated clip \"walk\" is outside 0.5 to 1.8 m/s");
     assert!(wrong("idle", "seconds", f64::NAN).contains("NaN"));
 }
 

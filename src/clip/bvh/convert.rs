@@ -62,11 +62,7 @@ pub(super) fn to_world(clip: &mut Clip, unit_to_m: f64, up: Up) {
     for root in &mut clip.root_positions {
         *root = place(*root);
     }
-    for offset in clip
-        .moving_offsets
-        .iter_mut()
-        .flat_map(|moving| &mut moving.offsets)
-    {
+    for offset in clip.moving_offsets.iter_mut().flat_map(|moving| &mut moving.offsets) {
         *offset = place(*offset);
     }
     if up == Up::Z {
@@ -87,9 +83,7 @@ fn turned_axis(axis: Axis) -> Axis {
 
 fn to_joint(raw: &RawJoint, notes: &mut Vec<ReadNote>) -> Joint {
     if raw.end_sites.len() > 1 {
-        notes.push(ReadNote::EndSitesDropped {
-            joint: raw.name.clone(),
-        });
+        notes.push(ReadNote::EndSitesDropped { joint: raw.name.clone() });
     }
     Joint {
         name: raw.name.clone(),
@@ -106,9 +100,7 @@ fn note_duplicates(joints: &[Joint], notes: &mut Vec<ReadNote>) {
     let mut noted = HashSet::new();
     for joint in joints {
         if !seen.insert(&joint.name) && noted.insert(&joint.name) {
-            notes.push(ReadNote::DuplicateName {
-                name: joint.name.clone(),
-            });
+            notes.push(ReadNote::DuplicateName { name: joint.name.clone() });
         }
     }
 }
@@ -171,15 +163,10 @@ fn position(joint: &RawJoint, otherwise: DVec3, values: &[f64]) -> DVec3 {
 
 /// Joints below the root whose position channels say anything, with their offsets.
 fn moving_offsets(raw: &RawBvh, starts: &[usize], notes: &mut Vec<ReadNote>) -> Vec<MovingOffset> {
-    let has_position = |joint: &RawJoint| {
-        joint
-            .channels
-            .iter()
-            .any(|channel| matches!(channel, Channel::Position(_)))
-    };
-    let movers: Vec<usize> = (1..raw.joints.len())
-        .filter(|&index| has_position(&raw.joints[index]))
-        .collect();
+    let has_position =
+        |joint: &RawJoint| joint.channels.iter().any(|channel| matches!(channel, Channel::Position(_)));
+    let movers: Vec<usize> =
+        (1..raw.joints.len()).filter(|&index| has_position(&raw.joints[index])).collect();
     if movers.is_empty() {
         return Vec::new();
     }
@@ -200,21 +187,11 @@ fn moving_offsets(raw: &RawBvh, starts: &[usize], notes: &mut Vec<ReadNote>) -> 
         let joint = &raw.joints[index];
         let rest = DVec3::from_array(joint.offset);
         let offset = |frame| {
-            if adds {
-                rest + position(joint, DVec3::ZERO, values(index, frame))
-            } else {
-                place(index, frame)
-            }
+            if adds { rest + position(joint, DVec3::ZERO, values(index, frame)) } else { place(index, frame) }
         };
         let offsets: Vec<DVec3> = (0..raw.frame_count).map(offset).collect();
-        if offsets
-            .iter()
-            .any(|offset| offset.distance(rest) > OFFSET_ROUNDING)
-        {
-            moving.push(MovingOffset {
-                joint: JointId::from_usize(index),
-                offsets,
-            });
+        if offsets.iter().any(|offset| offset.distance(rest) > OFFSET_ROUNDING) {
+            moving.push(MovingOffset { joint: JointId::from_usize(index), offsets });
         }
     }
     moving

@@ -92,27 +92,16 @@ impl<'a> Cursor<'a> {
     fn take_word(&mut self) -> Option<Word<'a>> {
         let start = self.at;
         self.skip(|byte| !byte.is_ascii_whitespace());
-        (self.at > start).then(|| Word {
-            start,
-            bytes: &self.bytes[start..self.at],
-        })
+        (self.at > start).then(|| Word { start, bytes: &self.bytes[start..self.at] })
     }
 
     /// The finite number written as `word`.
     pub(super) fn number(&self, word: Word<'a>) -> Result<f64, BvhError> {
-        let parsed = std::str::from_utf8(word.bytes)
-            .ok()
-            .and_then(|text| text.parse::<f64>().ok());
+        let parsed = std::str::from_utf8(word.bytes).ok().and_then(|text| text.parse::<f64>().ok());
         match parsed {
             Some(value) if value.is_finite() => Ok(value),
-            Some(_) => Err(BvhError::NotFinite {
-                at: self.position(word.start),
-                found: quote(word.bytes),
-            }),
-            None => Err(BvhError::NotANumber {
-                at: self.position(word.start),
-                found: quote(word.bytes),
-            }),
+            Some(_) => Err(BvhError::NotFinite { at: self.position(word.start), found: quote(word.bytes) }),
+            None => Err(BvhError::NotANumber { at: self.position(word.start), found: quote(word.bytes) }),
         }
     }
 
@@ -137,11 +126,8 @@ fn is_line_end(byte: u8) -> bool {
 /// A piece of the file as an error shows it: printable, not long.
 pub(super) fn quote(bytes: &[u8]) -> String {
     let shown = &bytes[..bytes.len().min(4 * QUOTE_LIMIT)];
-    let text: String = String::from_utf8_lossy(shown)
-        .chars()
-        .flat_map(char::escape_debug)
-        .take(QUOTE_LIMIT)
-        .collect();
+    let text: String =
+        String::from_utf8_lossy(shown).chars().flat_map(char::escape_debug).take(QUOTE_LIMIT).collect();
     let cut = shown.len() < bytes.len() || text.chars().count() == QUOTE_LIMIT;
     if cut { text + "…" } else { text }
 }

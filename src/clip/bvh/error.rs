@@ -19,21 +19,14 @@ impl fmt::Display for Position {
 /// Why a BVH file could not be read.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
-#[expect(
-    missing_docs,
-    reason = "`at` is the place of the fault, the other fields stand in the message"
-)]
+#[expect(missing_docs, reason = "`at` is the place of the fault, the other fields stand in the message")]
 pub enum BvhError {
     /// The first word is not HIERARCHY.
     #[error("{at}: not a BVH file, which starts with the word HIERARCHY (found {found})")]
     NotBvh { at: Position, found: String },
     /// Another word than the format asks for.
     #[error("{at}: expected {expected}, found {found}; correct this line or export the file again")]
-    Unexpected {
-        at: Position,
-        expected: &'static str,
-        found: String,
-    },
+    Unexpected { at: Position, expected: &'static str, found: String },
     /// The file ends too early.
     #[error(
         "{at}: the file ends where {expected} should follow; it seems cut short, copy or export it again"
@@ -50,11 +43,7 @@ pub enum BvhError {
     NoName { at: Position },
     /// A joint with two OFFSET or two CHANNELS lines.
     #[error("{at}: joint `{joint}` has a second {what} line; remove one")]
-    Repeated {
-        at: Position,
-        joint: String,
-        what: &'static str,
-    },
+    Repeated { at: Position, joint: String, what: &'static str },
     /// A joint without an OFFSET line.
     #[error("{at}: joint `{joint}` closes without an OFFSET line; add one, in the parent's axes")]
     NoOffset { at: Position, joint: String },
@@ -70,19 +59,10 @@ pub enum BvhError {
     #[error(
         "{at}: joint `{joint}` announces {announced} channels, but {found} names follow; make the two agree"
     )]
-    ChannelCount {
-        at: Position,
-        joint: String,
-        announced: usize,
-        found: usize,
-    },
+    ChannelCount { at: Position, joint: String, announced: usize, found: usize },
     /// One channel twice in one joint.
     #[error("{at}: joint `{joint}` has the channel `{channel}` twice; each may stand once")]
-    RepeatedChannel {
-        at: Position,
-        joint: String,
-        channel: String,
-    },
+    RepeatedChannel { at: Position, joint: String, channel: String },
     /// A word where a number belongs.
     #[error("{at}: `{found}` is not a number; decimals are written with a point")]
     NotANumber { at: Position, found: String },
@@ -91,11 +71,7 @@ pub enum BvhError {
     NotFinite { at: Position, found: String },
     /// A count that is negative, a fraction or too large.
     #[error("{at}: `{found}` is not a count of {what}; write a whole number from 0 to 4294967295")]
-    NotACount {
-        at: Position,
-        found: String,
-        what: &'static str,
-    },
+    NotACount { at: Position, found: String, what: &'static str },
     /// The motion has no frames.
     #[error("{at}: the file has no frames; a clip needs one at least")]
     NoFrames { at: Position },
@@ -106,21 +82,12 @@ pub enum BvhError {
     FrameTime { at: Position, found: f64 },
     /// A row with another number of values than there are channels.
     #[error("{at}: row {row} of the motion has {found} values, expected {expected}, one for each channel")]
-    RowLength {
-        at: Position,
-        row: usize,
-        expected: usize,
-        found: usize,
-    },
+    RowLength { at: Position, row: usize, expected: usize, found: usize },
     /// Fewer rows than announced.
     #[error(
         "{at}: {announced} frames announced, {found} rows found; correct the number after Frames: or restore the rows"
     )]
-    RowsMissing {
-        at: Position,
-        announced: usize,
-        found: usize,
-    },
+    RowsMissing { at: Position, announced: usize, found: usize },
     /// More than the announced rows.
     #[error(
         "{at}: {announced} frames announced, but more follows the last row; correct the number after Frames:"

@@ -27,9 +27,8 @@ const LEG_LENGTH: f64 = 0.82;
 const JOINT_EXTENT: f64 = 1.4;
 
 /// Rates in use, frames per second, that a rounded frame time may stand for.
-const RATES: [f64; 16] = [
-    24.0, 25.0, 30.0, 48.0, 50.0, 60.0, 72.0, 75.0, 90.0, 100.0, 120.0, 144.0, 150.0, 200.0, 240.0, 250.0,
-];
+const RATES: [f64; 16] =
+    [24.0, 25.0, 30.0, 48.0, 50.0, 60.0, 72.0, 75.0, 90.0, 100.0, 120.0, 144.0, 150.0, 200.0, 240.0, 250.0];
 
 /// Whether the skeleton is the 43-joint rig whose rest pose bleeds into the first frames.
 pub(super) fn is_buttock_rig(skeleton: &Skeleton) -> bool {
@@ -47,9 +46,7 @@ pub(super) fn unit_to_m(skeleton: &Skeleton) -> Option<f64> {
         return None;
     }
     let mismatch = |unit: &f64| (unit * size / expected).ln().abs();
-    let nearest = UNITS
-        .into_iter()
-        .min_by(|a, b| mismatch(a).total_cmp(&mismatch(b)))?;
+    let nearest = UNITS.into_iter().min_by(|a, b| mismatch(a).total_cmp(&mismatch(b)))?;
     let is_rig_unit = nearest == CENTIMETRE && is_buttock_rig(skeleton);
     Some(if is_rig_unit { BUTTOCK_RIG_UNIT } else { nearest })
 }
@@ -69,10 +66,7 @@ fn leg_length(skeleton: &Skeleton) -> Option<f64> {
     };
     let left = leg(JointRole::LeftHip, JointRole::LeftFoot);
     let right = leg(JointRole::RightHip, JointRole::RightFoot);
-    left.into_iter()
-        .chain(right)
-        .max_by(f64::total_cmp)
-        .filter(|length| *length > 0.0)
+    left.into_iter().chain(right).max_by(f64::total_cmp).filter(|length| *length > 0.0)
 }
 
 /// Size of the box around all joints at rest.
@@ -116,14 +110,9 @@ pub(super) fn up(clip: &Clip) -> Up {
 /// largest extent at rest. `None` where neither y nor z stands out.
 fn upright(skeleton: &Skeleton, poses: &[crate::skeleton::Pose]) -> Option<Up> {
     let feet = [JointRole::LeftFoot, JointRole::RightFoot].map(|role| skeleton.joint_of(role));
-    let top = [
-        JointRole::Head,
-        JointRole::Neck,
-        JointRole::Chest,
-        JointRole::Spine,
-    ]
-    .into_iter()
-    .find_map(|role| skeleton.joint_of(role));
+    let top = [JointRole::Head, JointRole::Neck, JointRole::Chest, JointRole::Spine]
+        .into_iter()
+        .find_map(|role| skeleton.joint_of(role));
     let ([Some(left), Some(right)], Some(top)) = (feet, top) else {
         let extent = rest_extent(skeleton);
         return (extent.z > 2.0 * extent.x.max(extent.y)).then_some(Up::Z);
@@ -183,10 +172,8 @@ pub(super) fn start(clip: &Clip) -> Start {
         return Start::Smooth;
     }
     let jump = turn_between(clip, 0);
-    let later: Vec<f64> = (1..clip.frame_count() - 1)
-        .take(30)
-        .map(|frame| turn_between(clip, frame))
-        .collect();
+    let later: Vec<f64> =
+        (1..clip.frame_count() - 1).take(30).map(|frame| turn_between(clip, frame)).collect();
     let usual = percentile(later.clone(), 0.5);
     let largest = later.iter().copied().fold(0.0, f64::max);
     let leaves_rest = rest_turn(clip) < REST_TURN && jump > LEAST_JUMP && jump > JUMP_RATIO * usual;
@@ -212,18 +199,11 @@ const REST_TURN: f64 = 0.1;
 fn turn_between(clip: &Clip, frame: usize) -> f64 {
     let joints = clip.skeleton.joints.len();
     let turned = |k: usize| clip.rotations[k].inverse() * clip.rotations[k + joints];
-    (0..joints)
-        .map(|joint| log(turned(frame * joints + joint)).length())
-        .sum::<f64>()
-        / joints as f64
+    (0..joints).map(|joint| log(turned(frame * joints + joint)).length()).sum::<f64>() / joints as f64
 }
 
 /// Mean angle between the joints of frame 0 and no rotation, the root left out, radians.
 fn rest_turn(clip: &Clip) -> f64 {
     let joints = clip.skeleton.joints.len();
-    clip.rotations[1..joints]
-        .iter()
-        .map(|&turn| log(turn).length())
-        .sum::<f64>()
-        / joints as f64
+    clip.rotations[1..joints].iter().map(|&turn| log(turn).length()).sum::<f64>() / joints as f64
 }

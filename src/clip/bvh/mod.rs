@@ -126,10 +126,7 @@ impl fmt::Display for ReadNote {
             Self::ZUpGuessed => f.write_str("taken to have z up; give `up` to settle it"),
             Self::RestPoseLeftOut { first_usable } => {
                 let first = first_usable.0;
-                write!(
-                    f,
-                    "frame 0 is a rest pose; the clip is used from frame {first} on"
-                )
+                write!(f, "frame 0 is a rest pose; the clip is used from frame {first} on")
             }
             Self::FirstFrameJumps => {
                 f.write_str("the body jumps from frame 0 to frame 1; give `frames` to leave frame 0 out")
@@ -164,9 +161,7 @@ pub fn read(bytes: &[u8], name: &str, options: &ReadOptions) -> Result<ReadClip,
     let header_fps = guess::frame_rate(&raw);
     let mut notes = Vec::new();
     let mut clip = convert::clip_in_file_units(&raw, name, options.fps.unwrap_or(header_fps), &mut notes);
-    let unit_to_m = options
-        .unit_to_m
-        .unwrap_or_else(|| guessed_unit(&clip, &mut notes));
+    let unit_to_m = options.unit_to_m.unwrap_or_else(|| guessed_unit(&clip, &mut notes));
     let up = options.up.unwrap_or_else(|| guess::up(&clip));
     if options.up.is_none() && up == Up::Z {
         notes.push(ReadNote::ZUpGuessed);
@@ -177,13 +172,7 @@ pub fn read(bytes: &[u8], name: &str, options: &ReadOptions) -> Result<ReadClip,
     if !roles.is_empty() {
         notes.push(ReadNote::RolesMissing { roles });
     }
-    Ok(ReadClip {
-        clip,
-        unit_to_m,
-        up,
-        header_fps,
-        notes,
-    })
+    Ok(ReadClip { clip, unit_to_m, up, header_fps, notes })
 }
 
 fn guessed_unit(clip: &Clip, notes: &mut Vec<ReadNote>) -> f64 {

@@ -58,22 +58,12 @@ pub(super) fn parse(bytes: &[u8]) -> Result<RawBvh, BvhError> {
     let frames_word = keyed_word(&mut cursor, &["Frames:"], "`Frames:`", "the number of frames")?;
     let frame_count = cursor.count(frames_word, "frames")?;
     if frame_count == 0 {
-        return Err(BvhError::NoFrames {
-            at: cursor.position(frames_word.start),
-        });
+        return Err(BvhError::NoFrames { at: cursor.position(frames_word.start) });
     }
-    let time_word = keyed_word(
-        &mut cursor,
-        &["Frame", "Time:"],
-        "`Frame Time:`",
-        "the frame time",
-    )?;
+    let time_word = keyed_word(&mut cursor, &["Frame", "Time:"], "`Frame Time:`", "the frame time")?;
     let frame_time = cursor.number(time_word)?;
     if !(SHORTEST_FRAME..=LONGEST_FRAME).contains(&frame_time) {
-        return Err(BvhError::FrameTime {
-            at: cursor.position(time_word.start),
-            found: frame_time,
-        });
+        return Err(BvhError::FrameTime { at: cursor.position(time_word.start), found: frame_time });
     }
     end_line(&mut cursor)?;
     let width = joints.iter().map(|joint| joint.channels.len()).sum();
@@ -105,9 +95,7 @@ fn hierarchy(cursor: &mut Cursor<'_>) -> Result<Vec<RawJoint>, BvhError> {
         joint_line(cursor, &mut joints, &mut open)?;
     }
     match cursor.peek() {
-        Some(word) if is(word, "ROOT") => Err(BvhError::SecondRoot {
-            at: cursor.position(word.start),
-        }),
+        Some(word) if is(word, "ROOT") => Err(BvhError::SecondRoot { at: cursor.position(word.start) }),
         _ => expect(cursor, "MOTION", "MOTION").map(|()| joints),
     }
 }
@@ -124,10 +112,7 @@ fn open_joint(
         return Err(BvhError::NoName { at: at() });
     }
     if joints.len() == JOINT_LIMIT {
-        return Err(BvhError::TooManyJoints {
-            at: at(),
-            limit: JOINT_LIMIT,
-        });
+        return Err(BvhError::TooManyJoints { at: at(), limit: JOINT_LIMIT });
     }
     joints.push(RawJoint {
         name: String::from_utf8_lossy(name.bytes).into_owned(),
@@ -137,11 +122,7 @@ fn open_joint(
         channels: Vec::new(),
     });
     expect(cursor, "{", "an opening brace")?;
-    Ok(OpenJoint {
-        index: joints.len() - 1,
-        has_offset: false,
-        has_channels: false,
-    })
+    Ok(OpenJoint { index: joints.len() - 1, has_offset: false, has_channels: false })
 }
 
 /// One item inside the innermost open joint: OFFSET, CHANNELS, JOINT, End Site or its closing brace.
@@ -153,10 +134,7 @@ fn joint_line(
     let current = open.last_mut().expect("called while a joint is open");
     let index = current.index;
     let Some(word) = cursor.word() else {
-        return Err(BvhError::MissingBrace {
-            at: cursor.here(),
-            joint: joints[index].name.clone(),
-        });
+        return Err(BvhError::MissingBrace { at: cursor.here(), joint: joints[index].name.clone() });
     };
     let joint = &mut joints[index];
     if is(word, "OFFSET") {
@@ -173,16 +151,9 @@ fn joint_line(
         close(cursor, word, current, &joint.name)?;
         open.pop();
     } else if is(word, "MOTION") {
-        return Err(BvhError::MissingBrace {
-            at: cursor.position(word.start),
-            joint: joint.name.clone(),
-        });
+        return Err(BvhError::MissingBrace { at: cursor.position(word.start), joint: joint.name.clone() });
     } else {
-        return Err(unexpected(
-            cursor,
-            word,
-            "OFFSET, CHANNELS, JOINT, End Site or a closing brace",
-        ));
+        return Err(unexpected(cursor, word, "OFFSET, CHANNELS, JOINT, End Site or a closing brace"));
     }
     Ok(())
 }
@@ -195,11 +166,7 @@ fn once(
     what: &'static str,
 ) -> Result<(), BvhError> {
     if std::mem::replace(seen, true) {
-        return Err(BvhError::Repeated {
-            at: cursor.position(word.start),
-            joint: joint.to_owned(),
-            what,
-        });
+        return Err(BvhError::Repeated { at: cursor.position(word.start), joint: joint.to_owned(), what });
     }
     Ok(())
 }
@@ -208,10 +175,7 @@ fn close(cursor: &Cursor<'_>, brace: Word<'_>, joint: &OpenJoint, name: &str) ->
     if joint.has_offset {
         return Ok(());
     }
-    Err(BvhError::NoOffset {
-        at: cursor.position(brace.start),
-        joint: name.to_owned(),
-    })
+    Err(BvhError::NoOffset { at: cursor.position(brace.start), joint: name.to_owned() })
 }
 
 /// What follows the word End: a label, braces and an offset in them.
@@ -261,9 +225,7 @@ fn channels(cursor: &mut Cursor<'_>, joint: &str) -> Result<Vec<Channel>, BvhErr
 }
 
 fn is_structure(word: Word<'_>) -> bool {
-    ["OFFSET", "JOINT", "End", "}", "{", "MOTION", "CHANNELS"]
-        .iter()
-        .any(|keyword| is(word, keyword))
+    ["OFFSET", "JOINT", "End", "}", "{", "MOTION", "CHANNELS"].iter().any(|keyword| is(word, keyword))
 }
 
 fn channel(word: &[u8]) -> Option<Channel> {
@@ -289,11 +251,7 @@ fn rows(cursor: &mut Cursor<'_>, frame_count: usize, width: usize) -> Result<Vec
     let mut values = Vec::with_capacity((cursor.remaining() / 2).min(frame_count.saturating_mul(width)));
     for row in 0..if width == 0 { 0 } else { frame_count } {
         let Some(first) = cursor.word() else {
-            return Err(BvhError::RowsMissing {
-                at: cursor.here(),
-                announced: frame_count,
-                found: row,
-            });
+            return Err(BvhError::RowsMissing { at: cursor.here(), announced: frame_count, found: row });
         };
         let mut found = 0;
         let mut word = Some(first);
@@ -313,10 +271,7 @@ fn rows(cursor: &mut Cursor<'_>, frame_count: usize, width: usize) -> Result<Vec
     }
     match cursor.word() {
         None => Ok(values),
-        Some(word) => Err(BvhError::RowsLeft {
-            at: cursor.position(word.start),
-            announced: frame_count,
-        }),
+        Some(word) => Err(BvhError::RowsLeft { at: cursor.position(word.start), announced: frame_count }),
     }
 }
 
@@ -324,14 +279,10 @@ fn rows(cursor: &mut Cursor<'_>, frame_count: usize, width: usize) -> Result<Vec
 fn half_unit_of_last_digit(number: &[u8]) -> f64 {
     let exponent_at = number.iter().position(|byte| byte.eq_ignore_ascii_case(&b'e'));
     let (mantissa, exponent) = number.split_at(exponent_at.unwrap_or(number.len()));
-    let exponent: i32 = exponent
-        .get(1..)
-        .and_then(|digits| std::str::from_utf8(digits).ok()?.parse().ok())
-        .unwrap_or(0);
-    let decimals = mantissa
-        .iter()
-        .position(|&byte| byte == b'.')
-        .map_or(0, |point| mantissa.len() - point - 1);
+    let exponent: i32 =
+        exponent.get(1..).and_then(|digits| std::str::from_utf8(digits).ok()?.parse().ok()).unwrap_or(0);
+    let decimals =
+        mantissa.iter().position(|&byte| byte == b'.').map_or(0, |point| mantissa.len() - point - 1);
     0.5 * 10_f64.powi(exponent.saturating_sub_unsigned(u32::try_from(decimals).unwrap_or(u32::MAX)))
 }
 
@@ -365,10 +316,7 @@ fn end_line(cursor: &mut Cursor<'_>) -> Result<(), BvhError> {
 }
 
 fn next<'a>(cursor: &mut Cursor<'a>, expected: &'static str) -> Result<Word<'a>, BvhError> {
-    cursor.word().ok_or_else(|| BvhError::EndOfFile {
-        at: cursor.here(),
-        expected,
-    })
+    cursor.word().ok_or_else(|| BvhError::EndOfFile { at: cursor.here(), expected })
 }
 
 fn expect(cursor: &mut Cursor<'_>, keyword: &str, expected: &'static str) -> Result<(), BvhError> {

@@ -29,11 +29,7 @@ Frame Time: .0083333
 ";
 
 fn options() -> ReadOptions {
-    ReadOptions {
-        fps: None,
-        unit_to_m: Some(1.0),
-        up: Some(Up::Y),
-    }
+    ReadOptions { fps: None, unit_to_m: Some(1.0), up: Some(Up::Y) }
 }
 
 fn read_text(text: &str) -> Result<ReadClip, BvhError> {
@@ -50,15 +46,9 @@ fn root_channels_replace_the_offset_and_rotations_multiply_in_their_order() {
     let read = read_text(SMALL).expect("a valid file");
     let clip = &read.clip;
     assert_eq!(clip.fps, 120.0);
-    assert_eq!(
-        clip.root_positions,
-        vec![DVec3::new(1.0, 2.0, 3.0), DVec3::new(1.0, 2.0, 4.0)]
-    );
+    assert_eq!(clip.root_positions, vec![DVec3::new(1.0, 2.0, 3.0), DVec3::new(1.0, 2.0, 4.0)]);
     assert_eq!(clip.skeleton.joints[1].name, "Left Arm");
-    assert_eq!(
-        clip.skeleton.joints[1].rotation_order,
-        [Axis::X, Axis::Y, Axis::Z]
-    );
+    assert_eq!(clip.skeleton.joints[1].rotation_order, [Axis::X, Axis::Y, Axis::Z]);
     assert_eq!(clip.skeleton.joints[1].end_site, Some(DVec3::Y * 0.5));
     let frames = clip.skeleton.forward_kinematics(&clip.pose(SourceFrame(0)));
     assert!(frames[1].position.distance(DVec3::new(0.0, 2.0, 3.0)) < 1e-15);
@@ -74,18 +64,12 @@ fn line_ends_blanks_byte_order_mark_and_case_do_not_matter() {
         SMALL.replace('\n', "\n\n \t"),
         format!("\u{feff}{SMALL}"),
         SMALL.trim_end().to_owned(),
-        SMALL
-            .replace("Xposition", "XPOSITION")
-            .replace("Zrotation", "ZROTATION"),
+        SMALL.replace("Xposition", "XPOSITION").replace("Zrotation", "ZROTATION"),
         SMALL.replace("Hips\n{", "Hips {"),
         SMALL.replace(' ', "\t").replace("Left\tArm", "Left Arm"),
     ];
     for variant in variants {
-        assert_eq!(
-            read_text(&variant).expect("a valid variant"),
-            plain,
-            "{variant:?}"
-        );
+        assert_eq!(read_text(&variant).expect("a valid variant"), plain, "{variant:?}");
     }
 }
 
@@ -94,121 +78,56 @@ fn faults_carry_line_and_column() {
     let at = |line, column| Position { line, column };
     assert_eq!(
         read_spoilt("1 2 4 0", "1 2 nan 0"),
-        BvhError::NotFinite {
-            at: at(20, 5),
-            found: "nan".to_owned()
-        }
+        BvhError::NotFinite { at: at(20, 5), found: "nan".to_owned() }
     );
     assert_eq!(
         read_spoilt("1 2 4 0", "1 2 4 é x"),
-        BvhError::NotANumber {
-            at: at(20, 7),
-            found: "é".to_owned()
-        }
+        BvhError::NotANumber { at: at(20, 7), found: "é".to_owned() }
     );
     let text = SMALL.replace('\n', "\r\n").replace("0 1 0", "0 1e999 0");
     let error = read_text(&text).expect_err("an overflow");
-    assert_eq!(
-        error,
-        BvhError::NotFinite {
-            at: at(8, 14),
-            found: "1e999".to_owned()
-        }
-    );
-    assert!(
-        error
-            .to_string()
-            .starts_with("line 8, column 14: `1e999` is not a finite number")
-    );
+    assert_eq!(error, BvhError::NotFinite { at: at(8, 14), found: "1e999".to_owned() });
+    assert!(error.to_string().starts_with("line 8, column 14: `1e999` is not a finite number"));
 }
 
 #[test]
 fn wrong_counts_name_both_numbers() {
-    let row = |found| BvhError::RowLength {
-        at: Position { line: 20, column: 1 },
-        row: 2,
-        expected: 9,
-        found,
-    };
+    let row =
+        |found| BvhError::RowLength { at: Position { line: 20, column: 1 }, row: 2, expected: 9, found };
     assert_eq!(read_spoilt("1 2 4 0 0 0", "1 2 4 0 0"), row(8));
     assert_eq!(read_spoilt("1 2 4 0 0 0", "1 2 4 0 0 0 0"), row(10));
     assert!(matches!(
         read_spoilt("Frames: 2", "Frames: 4000000000"),
-        BvhError::RowsMissing {
-            announced: 4_000_000_000,
-            found: 2,
-            ..
-        }
+        BvhError::RowsMissing { announced: 4_000_000_000, found: 2, .. }
     ));
-    assert!(matches!(
-        read_spoilt("Frames: 2", "Frames: 1"),
-        BvhError::RowsLeft { announced: 1, .. }
-    ));
+    assert!(matches!(read_spoilt("Frames: 2", "Frames: 1"), BvhError::RowsLeft { announced: 1, .. }));
     assert!(matches!(
         read_spoilt("CHANNELS 3", "CHANNELS 2"),
-        BvhError::ChannelCount {
-            announced: 2,
-            found: 3,
-            ..
-        }
+        BvhError::ChannelCount { announced: 2, found: 3, .. }
     ));
     assert!(matches!(
         read_spoilt("CHANNELS 3", "CHANNELS 4"),
-        BvhError::ChannelCount {
-            announced: 4,
-            found: 3,
-            ..
-        }
+        BvhError::ChannelCount { announced: 4, found: 3, .. }
     ));
-    assert!(matches!(
-        read_spoilt("Frames: 2", "Frames: -2"),
-        BvhError::NotACount { .. }
-    ));
-    assert!(matches!(
-        read_spoilt("Frames: 2", "Frames: 0"),
-        BvhError::NoFrames { .. }
-    ));
+    assert!(matches!(read_spoilt("Frames: 2", "Frames: -2"), BvhError::NotACount { .. }));
+    assert!(matches!(read_spoilt("Frames: 2", "Frames: 0"), BvhError::NoFrames { .. }));
 }
 
 #[test]
 fn spoilt_words_are_named() {
-    assert!(matches!(
-        read_spoilt("HIERARCHY", "MZ\u{0}"),
-        BvhError::NotBvh { .. }
-    ));
+    assert!(matches!(read_spoilt("HIERARCHY", "MZ\u{0}"), BvhError::NotBvh { .. }));
     assert!(matches!(
         read_spoilt("Xrotation Yrotation Z", "Xrotation Yrotation W"),
         BvhError::UnknownChannel { .. }
     ));
-    assert!(matches!(
-        read_spoilt("JOINT Left Arm", "JOINT"),
-        BvhError::NoName { .. }
-    ));
-    assert!(matches!(
-        read_spoilt("MOTION", "ROOT Other"),
-        BvhError::SecondRoot { .. }
-    ));
-    assert!(matches!(
-        read_spoilt("}\nMOTION", "MOTION"),
-        BvhError::MissingBrace { .. }
-    ));
-    assert!(matches!(
-        read_spoilt("}\nMOTION", "}\n}\nMOTION"),
-        BvhError::Unexpected { .. }
-    ));
+    assert!(matches!(read_spoilt("JOINT Left Arm", "JOINT"), BvhError::NoName { .. }));
+    assert!(matches!(read_spoilt("MOTION", "ROOT Other"), BvhError::SecondRoot { .. }));
+    assert!(matches!(read_spoilt("}\nMOTION", "MOTION"), BvhError::MissingBrace { .. }));
+    assert!(matches!(read_spoilt("}\nMOTION", "}\n}\nMOTION"), BvhError::Unexpected { .. }));
     assert!(matches!(read_spoilt(".0083333", "0"), BvhError::FrameTime { .. }));
-    assert!(matches!(
-        read_spoilt(".0083333", "-0.1"),
-        BvhError::FrameTime { .. }
-    ));
-    assert!(matches!(
-        read_spoilt("OFFSET 7 8 9", "OFFSET 7 8 9 OFFSET 7 8 9"),
-        BvhError::Repeated { .. }
-    ));
-    assert!(matches!(
-        read_spoilt("OFFSET 7 8 9", ""),
-        BvhError::NoOffset { .. }
-    ));
+    assert!(matches!(read_spoilt(".0083333", "-0.1"), BvhError::FrameTime { .. }));
+    assert!(matches!(read_spoilt("OFFSET 7 8 9", "OFFSET 7 8 9 OFFSET 7 8 9"), BvhError::Repeated { .. }));
+    assert!(matches!(read_spoilt("OFFSET 7 8 9", ""), BvhError::NoOffset { .. }));
     assert!(matches!(
         read_spoilt("3 Xrotation Yrotation", "3 Xrotation Xrotation"),
         BvhError::RepeatedChannel { .. }
@@ -275,13 +194,8 @@ fn position_channels_below_the_root_move_joints() {
 #[test]
 fn z_up_is_turned_with_its_joint_axes() {
     let y_up = read_text(SMALL).expect("a valid file").clip;
-    let options = ReadOptions {
-        up: Some(Up::Z),
-        ..options()
-    };
-    let z_up = read(SMALL.as_bytes(), "small", &options)
-        .expect("a valid file")
-        .clip;
+    let options = ReadOptions { up: Some(Up::Z), ..options() };
+    let z_up = read(SMALL.as_bytes(), "small", &options).expect("a valid file").clip;
     let turn = DQuat::from_rotation_x(-std::f64::consts::FRAC_PI_2);
     for frame in [SourceFrame(0), SourceFrame(1)] {
         let before = y_up.skeleton.forward_kinematics(&y_up.pose(frame));

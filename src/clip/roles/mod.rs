@@ -35,10 +35,7 @@ pub fn assign_roles(joints: &mut [Joint]) {
         joint.role = None;
     }
     let tree = NamedTree {
-        parents: joints
-            .iter()
-            .map(|joint| joint.parent.map(JointId::as_usize))
-            .collect(),
+        parents: joints.iter().map(|joint| joint.parent.map(JointId::as_usize)).collect(),
         named,
     };
     let mut found: Vec<(JointRole, usize)> = Vec::new();
@@ -54,10 +51,7 @@ pub fn assign_roles(joints: &mut [Joint]) {
 
 /// Roles of [`EXPECTED_ROLES`] that `skeleton` lacks.
 pub fn missing_roles(skeleton: &Skeleton) -> Vec<JointRole> {
-    EXPECTED_ROLES
-        .into_iter()
-        .filter(|&role| skeleton.joint_of(role).is_none())
-        .collect()
+    EXPECTED_ROLES.into_iter().filter(|&role| skeleton.joint_of(role).is_none()).collect()
 }
 
 struct NamedTree {
@@ -88,18 +82,10 @@ impl NamedTree {
 
     fn leg(&self, side: Side) -> Vec<(JointRole, usize)> {
         let roles = match side {
-            Side::Left => [
-                JointRole::LeftHip,
-                JointRole::LeftKnee,
-                JointRole::LeftFoot,
-                JointRole::LeftToe,
-            ],
-            Side::Right => [
-                JointRole::RightHip,
-                JointRole::RightKnee,
-                JointRole::RightFoot,
-                JointRole::RightToe,
-            ],
+            Side::Left => [JointRole::LeftHip, JointRole::LeftKnee, JointRole::LeftFoot, JointRole::LeftToe],
+            Side::Right => {
+                [JointRole::RightHip, JointRole::RightKnee, JointRole::RightFoot, JointRole::RightToe]
+            }
         };
         let side = Some(side);
         let hip = self.first(side, &[Part::Thigh, Part::Hip, Part::Leg], None);
@@ -111,12 +97,9 @@ impl NamedTree {
 
     fn arm(&self, side: Side) -> Vec<(JointRole, usize)> {
         let roles = match side {
-            Side::Left => [
-                JointRole::LeftClavicle,
-                JointRole::LeftShoulder,
-                JointRole::LeftElbow,
-                JointRole::LeftHand,
-            ],
+            Side::Left => {
+                [JointRole::LeftClavicle, JointRole::LeftShoulder, JointRole::LeftElbow, JointRole::LeftHand]
+            }
             Side::Right => [
                 JointRole::RightClavicle,
                 JointRole::RightShoulder,
@@ -129,19 +112,12 @@ impl NamedTree {
         let elbow = self.first(side, &[Part::Forearm], upper);
         let hand = self.first(side, &[Part::Hand], elbow.or(upper));
         let is_above_upper = |&collar: &usize| upper.is_some_and(|upper| self.descendants(collar)[upper]);
-        let collar = self
-            .first(side, &[Part::Collar, Part::Shoulder], None)
-            .filter(is_above_upper);
+        let collar = self.first(side, &[Part::Collar, Part::Shoulder], None).filter(is_above_upper);
         pairs(roles, [collar, upper, elbow, hand])
     }
 
     fn trunk(&self, limbs: &[(JointRole, usize)]) -> Vec<(JointRole, usize)> {
-        let limb = |role| {
-            limbs
-                .iter()
-                .find(|(found, _)| *found == role)
-                .map(|(_, joint)| *joint)
-        };
+        let limb = |role| limbs.iter().find(|(found, _)| *found == role).map(|(_, joint)| *joint);
         let common = |a, b| Some(self.common_ancestor(limb(a)?, limb(b)?));
         let pelvis = common(JointRole::LeftHip, JointRole::RightHip)
             .or_else(|| self.first(None, &[Part::Pelvis, Part::Hip], None))
@@ -155,13 +131,7 @@ impl NamedTree {
         };
         let neck = self.first(None, &[Part::Neck], None);
         let head = self.first(None, &[Part::Head], None);
-        let roles = [
-            JointRole::Pelvis,
-            JointRole::Chest,
-            JointRole::Spine,
-            JointRole::Neck,
-            JointRole::Head,
-        ];
+        let roles = [JointRole::Pelvis, JointRole::Chest, JointRole::Spine, JointRole::Neck, JointRole::Head];
         let mut taken: Vec<usize> = limbs.iter().map(|(_, joint)| *joint).collect();
         let mut found = pairs(roles, [Some(pelvis), chest, spine, neck, head]);
         found.retain(|(_, joint)| {
@@ -187,18 +157,12 @@ impl NamedTree {
 
     /// Child of `above` on the way down to `below`.
     fn child_towards(&self, above: usize, below: usize) -> Option<usize> {
-        std::iter::once(below)
-            .chain(self.ancestors(below))
-            .find(|&joint| self.parents[joint] == Some(above))
+        std::iter::once(below).chain(self.ancestors(below)).find(|&joint| self.parents[joint] == Some(above))
     }
 }
 
 fn pairs<const N: usize>(roles: [JointRole; N], joints: [Option<usize>; N]) -> Vec<(JointRole, usize)> {
-    roles
-        .into_iter()
-        .zip(joints)
-        .filter_map(|(role, joint)| Some((role, joint?)))
-        .collect()
+    roles.into_iter().zip(joints).filter_map(|(role, joint)| Some((role, joint?))).collect()
 }
 
 #[cfg(test)]
@@ -212,10 +176,7 @@ mod tests {
     fn roles_of(lines: &[(&str, &str)]) -> Vec<(String, JointRole)> {
         let mut joints: Vec<Joint> = Vec::new();
         for (name, parent) in lines {
-            let parent = joints
-                .iter()
-                .position(|joint| joint.name == *parent)
-                .map(JointId::from_usize);
+            let parent = joints.iter().position(|joint| joint.name == *parent).map(JointId::from_usize);
             joints.push(Joint {
                 name: (*name).to_owned(),
                 parent,
@@ -226,17 +187,11 @@ mod tests {
             });
         }
         assign_roles(&mut joints);
-        joints
-            .into_iter()
-            .filter_map(|joint| Some((joint.name, joint.role?)))
-            .collect()
+        joints.into_iter().filter_map(|joint| Some((joint.name, joint.role?))).collect()
     }
 
     fn role(lines: &[(&str, &str)], name: &str) -> Option<JointRole> {
-        roles_of(lines)
-            .into_iter()
-            .find(|(found, _)| found == name)
-            .map(|(_, role)| role)
+        roles_of(lines).into_iter().find(|(found, _)| found == name).map(|(_, role)| role)
     }
 
     #[test]
@@ -271,12 +226,7 @@ mod tests {
         assert_eq!(role(&daz, "lButtock"), None);
         assert_eq!(role(&daz, "lThigh"), Some(JointRole::LeftHip));
         assert_eq!(role(&daz, "hip"), Some(JointRole::Pelvis));
-        let cmu = [
-            ("Hips", ""),
-            ("LHipJoint", "Hips"),
-            ("LeftHip", "LHipJoint"),
-            ("LeftKnee", "LeftHip"),
-        ];
+        let cmu = [("Hips", ""), ("LHipJoint", "Hips"), ("LeftHip", "LHipJoint"), ("LeftKnee", "LeftHip")];
         assert_eq!(role(&cmu, "LHipJoint"), None);
         assert_eq!(role(&cmu, "LeftHip"), Some(JointRole::LeftHip));
         assert_eq!(role(&cmu, "LeftKnee"), Some(JointRole::LeftKnee));

@@ -43,10 +43,7 @@ pub(super) fn read_name(name: &str) -> Option<(Option<Side>, Part)> {
     let plain: String = bare.chars().filter(char::is_ascii_alphabetic).collect();
     let (side, stem) = split_side(bare, &plain);
     let part = part_of(stem)?;
-    let sided_part = !matches!(
-        part,
-        Part::Neck | Part::Head | Part::Chest | Part::Trunk | Part::Pelvis
-    );
+    let sided_part = !matches!(part, Part::Neck | Part::Head | Part::Chest | Part::Trunk | Part::Pelvis);
     match (side, part) {
         (None, Part::Hip) => Some((None, Part::Pelvis)),
         (None, _) if sided_part => None,
@@ -72,9 +69,7 @@ fn split_side<'a>(bare: &str, plain: &'a str) -> (Option<Side>, &'a str) {
         if let Some(stem) = plain.strip_prefix(word).or_else(|| plain.strip_suffix(word)) {
             return (Some(side), stem);
         }
-        let ends_so = bare
-            .strip_suffix(letter)
-            .is_some_and(|rest| rest.ends_with(['.', '_', '-', ' ']));
+        let ends_so = bare.strip_suffix(letter).is_some_and(|rest| rest.ends_with(['.', '_', '-', ' ']));
         if ends_so {
             return (Some(side), &plain[..plain.len() - 1]);
         }

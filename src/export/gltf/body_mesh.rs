@@ -33,11 +33,8 @@ const SHORTEST: f64 = 1e-3;
 /// The body of `skeleton` in its rest pose. Joints without a role get limbs only where they lie between joints that have
 /// one; a skeleton without any role gets thin bones everywhere.
 pub(super) fn body_mesh(skeleton: &Skeleton) -> BodyMesh {
-    let rest: Vec<DVec3> = skeleton
-        .forward_kinematics(&skeleton.rest_pose())
-        .iter()
-        .map(|frame| frame.position)
-        .collect();
+    let rest: Vec<DVec3> =
+        skeleton.forward_kinematics(&skeleton.rest_pose()).iter().map(|frame| frame.position).collect();
     let scale = body_scale(skeleton, &rest);
     let across = across(skeleton, &rest);
     let mut mesh = BodyMesh::default();
@@ -160,7 +157,12 @@ fn limbs(skeleton: &Skeleton, rest: &[DVec3], scale: f64) -> Vec<Limb> {
         {
             let above = role_above(skeleton, index);
             let girth = scaled(girth(above, leads_to[index]), scale);
-            limbs.push(Limb { joint: parent.as_usize(), from: rest[parent.as_usize()], to: rest[index], girth });
+            limbs.push(Limb {
+                joint: parent.as_usize(),
+                from: rest[parent.as_usize()],
+                to: rest[index],
+                girth,
+            });
         }
         let is_last = !joints.iter().enumerate().any(|(child, below)| {
             below.parent.is_some_and(|parent| parent.as_usize() == index) && leads_to[child].is_some()
@@ -195,10 +197,8 @@ fn last_limb(skeleton: &Skeleton, rest: &[DVec3], index: usize, scale: f64) -> O
         }
         _ => None,
     };
-    let end = joint
-        .end_site
-        .filter(|end| end.length() > 0.02 * scale && end.length() < 0.5 * scale)
-        .or(guess)?;
+    let end =
+        joint.end_site.filter(|end| end.length() > 0.02 * scale && end.length() < 0.5 * scale).or(guess)?;
     Some(Limb {
         joint: index,
         from: rest[index],

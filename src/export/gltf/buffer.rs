@@ -25,7 +25,12 @@ pub(super) struct Document {
 
 impl Document {
     /// Appends rows of `f32`, with bounds where `bounded`.
-    pub(super) fn floats<const N: usize>(&mut self, rows: &[[f32; N]], purpose: Use, bounded: bool) -> Index<Accessor> {
+    pub(super) fn floats<const N: usize>(
+        &mut self,
+        rows: &[[f32; N]],
+        purpose: Use,
+        bounded: bool,
+    ) -> Index<Accessor> {
         let bytes: Vec<u8> = rows.iter().flatten().flat_map(|number| number.to_le_bytes()).collect();
         let kind = match N {
             1 => Type::Scalar,
@@ -128,7 +133,5 @@ fn bounds<const N: usize>(rows: &[[f32; N]], pick: fn(f32, f32) -> f32) -> Value
 }
 
 fn size(bytes: usize) -> [u8; 4] {
-    u32::try_from(bytes)
-        .expect("a GLB holds less than 4 GiB by its format")
-        .to_le_bytes()
+    u32::try_from(bytes).expect("a GLB holds less than 4 GiB by its format").to_le_bytes()
 }

@@ -159,12 +159,8 @@ impl Cast {
         let bind = skeleton.forward_kinematics(&skeleton.rest_pose());
         let inverse_bind: Vec<[f32; 16]> = bind.iter().map(|frame| translation(-frame.position)).collect();
         let joints: Vec<[u16; 4]> = mesh.joints.iter().map(|joint| [joint_number(*joint), 0, 0, 0]).collect();
-        let indices: Vec<u32> = mesh
-            .triangles
-            .iter()
-            .flatten()
-            .map(|vertex| JointId::from_usize(*vertex).0)
-            .collect();
+        let indices: Vec<u32> =
+            mesh.triangles.iter().flatten().map(|vertex| JointId::from_usize(*vertex).0).collect();
         let body = Body {
             positions: document.floats(&rows(&mesh.positions), Use::Vertices, true),
             normals: document.floats(&rows(&mesh.normals), Use::Vertices, false),
@@ -228,13 +224,16 @@ fn animate(
     times: Index<Accessor>,
 ) {
     let mut add = |output: Index<Accessor>, joint: usize, path: Property| {
-        let sampler = Index::push(&mut animation.samplers, Sampler {
-            extensions: None,
-            extras: Default::default(),
-            input: times,
-            interpolation: Checked::Valid(Interpolation::Linear),
-            output,
-        });
+        let sampler = Index::push(
+            &mut animation.samplers,
+            Sampler {
+                extensions: None,
+                extras: Default::default(),
+                input: times,
+                interpolation: Checked::Valid(Interpolation::Linear),
+                output,
+            },
+        );
         animation.channels.push(Channel {
             sampler,
             target: Target {

@@ -125,9 +125,8 @@ fn face(axis: u8, sign: f64) -> (DVec3, DVec3, DVec3) {
 
 /// Whole metres around all `values`, with a metre to spare.
 fn extent(values: impl Iterator<Item = f64>) -> [f64; 2] {
-    let [low, high] = values.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], value| {
-        [low.min(value), high.max(value)]
-    });
+    let [low, high] = values
+        .fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], value| [low.min(value), high.max(value)]);
     if low > high {
         return [-2.0, 2.0];
     }

@@ -79,7 +79,12 @@ fn trio<'a>(clips: &'a [Clip]) -> GlbScene<'a> {
     GlbScene {
         title: "three & a <box>",
         performers: clips.iter().map(|clip| Performer { name: &clip.name, clip }).collect(),
-        objects: vec![GlbObject { name: "box", size: [0.4, 0.3, 0.2], position: c64::new(0.0, 2.0), facing: 0.3 }],
+        objects: vec![GlbObject {
+            name: "box",
+            size: [0.4, 0.3, 0.2],
+            position: c64::new(0.0, 2.0),
+            facing: 0.3,
+        }],
     }
 }
 
