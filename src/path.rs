@@ -111,10 +111,10 @@ pub fn repair_tangents(tangents: &mut [c64], bad: &[bool], shortest: f64, fallba
     for pair in good.windows(2) {
         let (l, r) = (pair[0], pair[1]);
         let (from, to) = (tangents[l], tangents[r]);
-        for i in l + 1..r {
-            let s = (i - l) as f64 / (r - l) as f64;
+        for (k, tangent) in tangents[l + 1..r].iter_mut().enumerate() {
+            let s = (k + 1) as f64 / (r - l) as f64;
             let blend = from * (1.0 - s) + to * s;
-            tangents[i] = if blend.norm() < 10.0 * shortest {
+            *tangent = if blend.norm() < 10.0 * shortest {
                 c64::from_polar(from.norm(), lerp_angle(from.arg(), to.arg(), s))
             } else {
                 blend

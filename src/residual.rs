@@ -6,7 +6,7 @@ use crate::clip::facing::facing;
 use crate::constraint::ConstraintKind;
 use crate::edit::expand::{Expansion, expand, frame_of};
 use crate::edit::hold::{Hold, Place};
-use crate::edit::temporal::TimePoint;
+use crate::edit::time_row::TimePoint;
 use crate::edit::{Edit, EditedCharacter};
 use crate::geometry::{c64, cis, plan_of, wrap};
 use crate::path;

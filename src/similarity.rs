@@ -87,7 +87,7 @@ pub fn mean_rotations(clips: &[&WorkingClip]) -> Vec<DQuat> {
                 continue;
             }
             for (sum, rotation) in sums.iter_mut().zip(pose.rotations) {
-                *sum = *sum + if sum.dot(rotation) < 0.0 { -rotation } else { rotation };
+                *sum += if sum.dot(rotation) < 0.0 { -rotation } else { rotation };
             }
         }
     }

@@ -1,9 +1,8 @@
 //! Time warping gives the reference numbers, keeps its bounds, and explains what cannot be.
 
 use cotillion::constraint::Strength;
-use cotillion::edit::temporal::{
-    StepBounds, TemporalComponent, TemporalError, TemporalSettings, TimePoint, TimeRow,
-};
+use cotillion::edit::temporal::{TemporalComponent, TemporalError, TemporalSettings};
+use cotillion::edit::time_row::{StepBounds, TimePoint, TimeRow};
 use cotillion::index::ConstraintId;
 use cotillion_solvers::BoundMethod;
 use proptest::prelude::*;

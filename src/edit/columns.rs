@@ -76,9 +76,9 @@ impl Columns {
         let centre = points.iter().sum::<c64>() / points.len() as f64;
         let extent = points.iter().map(|p| (p - centre).norm()).fold(0.0, f64::max);
         let turns = rigid.is_none() && extent > crate::path::COINCIDENT * (1.0 + centre.norm());
-        for frame in first..=last {
+        for (frame, own) in (first..=last).zip(&mut frames[first..=last]) {
             let q = || (path.positions[frame] - centre) / extent;
-            frames[frame] = Some(FrameColumns {
+            *own = Some(FrameColumns {
                 column: self.count,
                 second: turns.then(|| (self.count + 1, q())),
                 run: rigid,

@@ -7,10 +7,13 @@ use crate::edit::energy::{Energy, Extent, length};
 use crate::edit::error::{EditError, Named};
 use crate::edit::expand::{expand, retarget};
 use crate::edit::facing::Turns;
-use crate::edit::hold::{HeldRow, Phase, Place, Prepared};
+use crate::edit::groups::{Group, spatial_groups, temporal_groups};
+use crate::edit::hold::{HeldRow, Phase, Place};
+use crate::edit::note::EditNote;
 use crate::edit::settings::{FacingMode, SpatialSettings};
 use crate::edit::spatial::{SpatialComponent, SpatialError};
-use crate::edit::temporal::{StepBounds, TemporalComponent, TemporalError, TemporalSettings, TimeRow};
+use crate::edit::temporal::{TemporalComponent, TemporalError};
+use crate::edit::time_row::StepBounds;
 use crate::geometry::c64;
 use crate::index::ConstraintId;
 use crate::path::RestPath;
@@ -32,64 +35,6 @@ pub enum Target {
     Offset(c64),
     /// Time, duration, or offset of a synchronisation, seconds.
     Seconds(f64),
-}
-
-/// What the user should know about an edit that succeeded.
-#[derive(Clone, Debug, PartialEq)]
-#[non_exhaustive]
-pub enum EditNote {
-    /// Other hard constraints imply this one, or part of it.
-    Redundant(Named),
-    /// A stationary stretch could not stay rigid: hard constraints pull it apart.
-    Released {
-        /// Whose.
-        character: String,
-        /// First and last working frame of the stretch.
-        frames: (usize, usize),
-    },
-    /// The path turned over, and the facing was interpolated (or could not be).
-    Flip {
-        /// Whose.
-        character: String,
-        /// First and last working frame.
-        frames: (usize, usize),
-        /// Whether the facing was interpolated.
-        repaired: bool,
-    },
-    /// Some time steps stand at their bounds.
-    StepsAtBound {
-        /// How many.
-        steps: usize,
-    },
-}
-
-impl std::fmt::Display for EditNote {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        match self {
-            Self::Redundant(named) => {
-                write!(f, "{named} says in part what other hard constraints say already")
-            }
-            Self::Released { character, frames: (first, last) } => {
-                write!(
-                    f,
-                    "{character} stands at frames {first}–{last}, but hard constraints pull this stretch apart"
-                )
-            }
-            Self::Flip { character, frames: (first, last), repaired: true } => {
-                write!(
-                    f,
-                    "the path of {character} folds back at frames {first}–{last}; the facing passes over it"
-                )
-            }
-            Self::Flip { character, frames: (first, last), repaired: false } => {
-                write!(
-                    f,
-                    "the facing of {character} jumps at frames {first}–{last}, where the path folds back"
-                )
-            }
-            Self::StepsAtBound { steps } => write!(f, "{steps} time steps stand at their bounds"),
-        }
-    }
 }
 
 /// Motion path and times of one character after the edit.
@@ -128,12 +73,6 @@ pub struct Editor {
     held: Vec<(usize, usize)>,
     /// Component and place in it of each temporal row.
     times: Vec<(usize, usize)>,
-}
-
-/// A component and the characters in it.
-struct Group<C> {
-    characters: Vec<usize>,
-    component: C,
 }
 
 impl Editor {
@@ -454,94 +393,4 @@ fn step_bounds(scene: &Scene) -> Option<StepBounds> {
             max: max.or(default.map(|bounds| bounds.max)).unwrap_or(1e6),
         }),
     }
-}
-
-/// Groups of characters that `links` connect, each group and the list of groups rising.
-fn connected(count: usize, links: impl IntoIterator<Item = (usize, usize)>) -> Vec<Vec<usize>> {
-    let mut leader: Vec<usize> = (0..count).collect();
-    fn find(leader: &mut [usize], mut item: usize) -> usize {
-        while leader[item] != item {
-            leader[item] = leader[leader[item]];
-            item = leader[item];
-        }
-        item
-    }
-    for (a, b) in links {
-        let (a, b) = (find(&mut leader, a), find(&mut leader, b));
-        leader[a.max(b)] = a.min(b);
-    }
-    let mut groups: Vec<Vec<usize>> = vec![Vec::new(); count];
-    for item in 0..count {
-        let root = find(&mut leader, item);
-        groups[root].push(item);
-    }
-    groups.retain(|group| !group.is_empty());
-    groups
-}
-
-/// Group, and place in it, of each of `count` characters.
-fn places(groups: &[Vec<usize>], count: usize) -> Vec<(usize, usize)> {
-    let mut places = vec![(0, 0); count];
-    for (group, characters) in groups.iter().enumerate() {
-        for (place, character) in characters.iter().enumerate() {
-            places[*character] = (group, place);
-        }
-    }
-    places
-}
-
-/// Components, and the component and place in it of each row.
-type Grouped<C> = (Vec<Group<C>>, Vec<(usize, usize)>);
-
-fn spatial_groups(
-    rests: &[RestPath],
-    held: &[HeldRow],
-    settings: SpatialSettings,
-) -> Grouped<SpatialComponent> {
-    let links = held.iter().filter_map(|row| row.hold.to().map(|to| (row.hold.at().path, to.path)));
-    let groups = connected(rests.len(), links);
-    let places = places(&groups, rests.len());
-    let mut rows: Vec<Vec<Prepared>> = vec![Vec::new(); groups.len()];
-    let mut index = Vec::with_capacity(held.len());
-    for row in held {
-        let prepared = Prepared::new(*row, rests, settings.baseline);
-        let group = places[row.hold.at().path].0;
-        index.push((group, rows[group].len()));
-        rows[group].push(prepared.renumbered(|path| places[path].1));
-    }
-    let build = |(characters, held): (Vec<usize>, Vec<Prepared>)| {
-        let own = characters.iter().map(|character| rests[*character].clone()).collect();
-        Group { characters, component: SpatialComponent::new(own, held, settings) }
-    };
-    let pairs: Vec<_> = groups.into_iter().zip(rows).collect();
-    (pairs.into_par_iter().map(build).collect(), index)
-}
-
-fn temporal_groups(
-    bounds: Option<StepBounds>,
-    rests: &[RestPath],
-    rows: &[TimeRow],
-) -> Grouped<TemporalComponent> {
-    let links = rows.iter().filter_map(|row| row.minus.map(|minus| (row.at.track, minus.track)));
-    let groups = connected(rests.len(), links);
-    let places = places(&groups, rests.len());
-    let mut own: Vec<Vec<TimeRow>> = vec![Vec::new(); groups.len()];
-    let mut index = Vec::with_capacity(rows.len());
-    for row in rows {
-        let mut row = *row;
-        let group = places[row.at.track].0;
-        row.at.track = places[row.at.track].1;
-        if let Some(minus) = &mut row.minus {
-            minus.track = places[minus.track].1;
-        }
-        index.push((group, own[group].len()));
-        own[group].push(row);
-    }
-    let settings = TemporalSettings { bounds, ..TemporalSettings::default() };
-    let build = |(characters, rows): (Vec<usize>, Vec<TimeRow>)| {
-        let counts = characters.iter().map(|character| rests[*character].len()).collect();
-        Group { characters, component: TemporalComponent::new(counts, rows, settings) }
-    };
-    let pairs: Vec<_> = groups.into_iter().zip(own).collect();
-    (pairs.into_par_iter().map(build).collect(), index)
 }

@@ -2,7 +2,7 @@
 
 use crate::constraint::{Constraint, ConstraintKind, Moment, Partner, Relation, Strength, When};
 use crate::edit::hold::{HeldRow, Hold, Place};
-use crate::edit::temporal::{TimePoint, TimeRow};
+use crate::edit::time_row::{TimePoint, TimeRow};
 use crate::geometry::{c64, cis, plan_of};
 use crate::index::ConstraintId;
 use crate::path::{self, RestPath};
@@ -125,12 +125,11 @@ fn interval(from: f64, to: f64) -> Vec<(f64, f64)> {
     frames.iter().enumerate().map(|(i, frame)| (*frame, share(i))).collect()
 }
 
-/// Samples of a relative constraint: own frame, the partner's moment and frame, share of an interval.
-fn pairs<'a>(
-    scene: &Scene,
-    when: &When,
-    partner: &'a Partner,
-) -> Vec<(f64, Option<(&'a When, f64)>, Option<f64>)> {
+/// A sample of a relative constraint: own frame, the partner's moment and frame, share of an interval.
+type PairSample<'a> = (f64, Option<(&'a When, f64)>, Option<f64>);
+
+/// Samples of a relative constraint; partners of an interval go through theirs at the same pace.
+fn pairs<'a>(scene: &Scene, when: &When, partner: &'a Partner) -> Vec<PairSample<'a>> {
     let own = samples(scene, when);
     let Partner::Character(other) = partner else {
         return own.into_iter().map(|(frame, share)| (frame, None, share)).collect();

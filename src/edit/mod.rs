@@ -6,18 +6,24 @@
 //!         Editor: factor once, drag many ◄── facing: where bodies look ◄─────────────┘
 //! ```
 
-pub mod assemble;
+pub mod settings;
+pub mod hold;
 pub mod columns;
-pub mod editor;
+pub mod gauge;
+pub mod assemble;
+pub mod phase;
+pub mod spatial;
+pub mod facing;
+pub mod time_row;
+pub mod condensed;
+pub mod temporal;
 pub mod energy;
 pub mod error;
+pub mod note;
 pub mod expand;
-pub mod facing;
-pub mod gauge;
-pub mod hold;
-pub mod settings;
-pub mod spatial;
-pub mod temporal;
+pub mod groups;
+pub mod editor;
 
-pub use editor::{Edit, EditNote, EditedCharacter, Editor, Target};
+pub use editor::{Edit, EditedCharacter, Editor, Target};
 pub use error::EditError;
+pub use note::EditNote;

@@ -5,52 +5,20 @@
 //! bounds as without). Source: Kim et al. 2009, §4.3; bounds: Goldfarb & Idnani 1983.
 
 use cotillion_solvers::{
-    BoundMethod, BoundedQp, BoundsError, DMatrix, DVector, Dependency, Difference, DifferenceError, Factor,
-    KktError, KktForm, LeastSquares, RowMatrix, Workspace, analyse, analyse_rank, node_bounds, solve_bounded,
+    BoundMethod, BoundsError, Dependency, Difference, DifferenceError, Factor, KktError, KktForm,
+    LeastSquares, RowMatrix, Workspace, analyse, analyse_rank, node_bounds, solve_bounded,
 };
 
 use crate::clip::working::WORKING_STEP;
 use crate::constraint::Strength;
+use crate::edit::condensed::Condensed;
+use crate::edit::time_row::{StepBounds, TimePoint, TimeRow};
 use crate::index::ConstraintId;
-use crate::path::bracket;
 
 /// Dependent hard times agree if they miss by no more than this, seconds.
 const AGREEMENT: f64 = 1e-9;
 /// A step breaks its bound if it does so by more than this share of the rest step.
 const BOUND_TOLERANCE: f64 = 1e-9;
-
-/// A moment of a track.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct TimePoint {
-    /// Track, by position in the list of frame counts.
-    pub track: usize,
-    /// Frame, a fraction where rates differ.
-    pub frame: f64,
-}
-
-/// One row of a temporal constraint: time of `at`, less time of `minus`, equals `seconds`.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct TimeRow {
-    /// Which constraint of the scene.
-    pub constraint: ConstraintId,
-    /// Hard, or the weight of this row.
-    pub strength: Strength,
-    /// Moment.
-    pub at: TimePoint,
-    /// Moment whose time is taken off; none for an absolute time.
-    pub minus: Option<TimePoint>,
-    /// Seconds.
-    pub seconds: f64,
-}
-
-/// Bounds on steps, as multiples of the rest step.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct StepBounds {
-    /// Smallest.
-    pub min: f64,
-    /// Largest.
-    pub max: f64,
-}
 
 /// Settings of time warping.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -125,7 +93,7 @@ impl TemporalComponent {
         let columns = counts.iter().sum();
         let (hard, soft): (Vec<usize>, Vec<usize>) =
             (0..rows.len()).partition(|row| rows[*row].strength == Strength::Hard);
-        let terms = |row: usize| row_terms(&rows[row], &counts, &starts);
+        let terms = |row: usize| rows[row].terms(&counts, |track, frame| starts[track] + frame);
         let mut hard_matrix = RowMatrix::new(columns);
         hard.iter().for_each(|row| {
             hard_matrix.push_row(&terms(*row));
@@ -186,7 +154,7 @@ impl TemporalComponent {
         self.check_bounds_allow()?;
         let steps = self.step_count();
         for (target, row) in self.soft_targets[steps..].iter_mut().zip(&self.soft) {
-            *target = weight(self.rows[*row].strength).sqrt() * self.rows[*row].seconds;
+            *target = self.rows[*row].weight().sqrt() * self.rows[*row].seconds;
         }
         for (target, kept) in self.hard_targets.iter_mut().zip(&self.kept) {
             *target = self.rows[self.hard[*kept]].seconds;
@@ -200,8 +168,8 @@ impl TemporalComponent {
             times.copy_from_slice(&self.x[*start..start + count]);
         }
         self.active_steps = 0;
-        if self.settings.bounds.is_some_and(|bounds| self.breaks(bounds)) {
-            self.solve_condensed()?;
+        if let Some(bounds) = self.settings.bounds.filter(|bounds| self.breaks(*bounds)) {
+            self.solve_condensed(bounds)?;
         }
         let all = self.soft_targets.len();
         self.energy = (
@@ -281,114 +249,20 @@ impl TemporalComponent {
     }
 
     /// Solves for the constrained frames alone, with the bounds, and fills in the rest.
-    fn solve_condensed(&mut self) -> Result<(), TemporalError> {
-        let Some(bounds) = self.settings.bounds else { return Ok(()) };
-        let knots = self.knots();
-        let offsets: Vec<usize> = knots
-            .iter()
-            .scan(0, |next, own| {
-                let start = *next;
-                *next += own.len();
-                Some(start)
-            })
-            .collect();
-        let qp = self.condensed_problem(&knots, &offsets, bounds);
-        let solution = solve_bounded(&qp, self.settings.method).map_err(|error| self.explain(error))?;
-        for (track, own) in knots.iter().enumerate() {
-            let values = &solution.x[offsets[track]..offsets[track] + own.len()];
-            spread(own, values, &mut self.times[track]);
-            let start = self.starts[track];
-            self.x[start..start + self.counts[track]].copy_from_slice(&self.times[track]);
+    fn solve_condensed(&mut self, bounds: StepBounds) -> Result<(), TemporalError> {
+        let hard: Vec<TimeRow> = self.kept.iter().map(|kept| self.rows[self.hard[*kept]]).collect();
+        let soft: Vec<TimeRow> = self.soft.iter().map(|row| self.rows[*row]).collect();
+        let condensed = Condensed::new(&self.counts, &hard, &soft, self.gauge.is_some());
+        let solution = solve_bounded(&condensed.problem(bounds), self.settings.method)
+            .map_err(|error| self.explain(error))?;
+        condensed.expand(&solution.x, &mut self.times);
+        for (times, start) in self.times.iter().zip(&self.starts) {
+            self.x[*start..start + times.len()].copy_from_slice(times);
         }
         let at_bound = |step: f64| (step - bounds.min).abs() < 1e-7 || (step - bounds.max).abs() < 1e-7;
         let steps = self.times.iter().flat_map(|times| times.windows(2));
         self.active_steps = steps.filter(|pair| at_bound((pair[1] - pair[0]) / WORKING_STEP)).count();
         Ok(())
-    }
-
-    /// Frames of each track that some row touches, and the first of a track that none does; rising.
-    fn knots(&self) -> Vec<Vec<usize>> {
-        let mut knots: Vec<Vec<usize>> = vec![Vec::new(); self.counts.len()];
-        for row in &self.rows {
-            for point in std::iter::once(row.at).chain(row.minus) {
-                let (low, high, share) = bracket(point.frame, self.counts[point.track]);
-                knots[point.track].extend((share != 1.0).then_some(low));
-                knots[point.track].extend((share != 0.0).then_some(high));
-            }
-        }
-        for (track, own) in knots.iter_mut().enumerate() {
-            if own.is_empty() || self.gauge == Some(self.starts[track]) {
-                own.push(0);
-            }
-            own.sort_unstable();
-            own.dedup();
-        }
-        knots
-    }
-
-    fn condensed_problem(&self, knots: &[Vec<usize>], offsets: &[usize], bounds: StepBounds) -> BoundedQp {
-        let size: usize = knots.iter().map(Vec::len).sum();
-        let mut hessian = DMatrix::zeros(size, size);
-        let mut linear = DVector::zeros(size);
-        let mut add_spring = |terms: &[(usize, f64)], weight: f64, target: f64| {
-            for (row, a) in terms {
-                linear[*row] += weight * a * target;
-                for (column, b) in terms {
-                    hessian[(*row, *column)] += weight * a * b;
-                }
-            }
-        };
-        let mut inequalities: Vec<([usize; 2], [f64; 2], f64)> = Vec::new();
-        for (track, own) in knots.iter().enumerate() {
-            for (index, pair) in own.windows(2).enumerate() {
-                let steps = (pair[1] - pair[0]) as f64;
-                let (a, b) = (offsets[track] + index, offsets[track] + index + 1);
-                add_spring(&[(a, -1.0), (b, 1.0)], 1.0 / steps, steps * WORKING_STEP);
-                let scale = steps * WORKING_STEP;
-                inequalities.push(([a, b], [-1.0, 1.0], bounds.min * scale));
-                inequalities.push(([a, b], [1.0, -1.0], -bounds.max * scale));
-            }
-        }
-        for row in self.soft.iter().map(|row| &self.rows[*row]) {
-            add_spring(&self.knot_terms(row, knots, offsets), weight(row.strength), row.seconds);
-        }
-        let count = self.kept.len() + usize::from(self.gauge.is_some());
-        let mut equalities = DMatrix::zeros(count, size);
-        let mut equality_targets = DVector::zeros(count);
-        for (index, kept) in self.kept.iter().enumerate() {
-            let row = &self.rows[self.hard[*kept]];
-            for (column, value) in self.knot_terms(row, knots, offsets) {
-                equalities[(index, column)] += value;
-            }
-            equality_targets[index] = row.seconds;
-        }
-        if self.gauge.is_some() {
-            equalities[(count - 1, 0)] = 1.0;
-        }
-        let mut matrix = DMatrix::zeros(inequalities.len(), size);
-        let mut lower_bounds = DVector::zeros(inequalities.len());
-        for (row, (columns, values, bound)) in inequalities.into_iter().enumerate() {
-            matrix[(row, columns[0])] = values[0];
-            matrix[(row, columns[1])] = values[1];
-            lower_bounds[row] = bound;
-        }
-        BoundedQp { hessian, linear, equalities, equality_targets, inequalities: matrix, lower_bounds }
-    }
-
-    fn knot_terms(&self, row: &TimeRow, knots: &[Vec<usize>], offsets: &[usize]) -> Vec<(usize, f64)> {
-        let column =
-            |track: usize, frame: usize| offsets[track] + knots[track].partition_point(|k| *k < frame);
-        let mut terms = Vec::with_capacity(4);
-        for (point, sign) in std::iter::once((row.at, 1.0)).chain(row.minus.map(|minus| (minus, -1.0))) {
-            let (low, high, share) = bracket(point.frame, self.counts[point.track]);
-            if share != 1.0 {
-                terms.push((column(point.track, low), sign * (1.0 - share)));
-            }
-            if share != 0.0 {
-                terms.push((column(point.track, high), sign * share));
-            }
-        }
-        terms
     }
 
     fn explain(&self, error: BoundsError) -> TemporalError {
@@ -403,31 +277,10 @@ impl TemporalComponent {
     }
 }
 
-fn weight(strength: Strength) -> f64 {
-    match strength {
-        Strength::Hard => 1.0,
-        Strength::Soft(weight) => weight,
-    }
-}
-
 fn unique(mut constraints: Vec<ConstraintId>) -> Vec<ConstraintId> {
     constraints.sort_unstable();
     constraints.dedup();
     constraints
-}
-
-fn row_terms(row: &TimeRow, counts: &[usize], starts: &[usize]) -> Vec<(usize, f64)> {
-    let mut terms = Vec::with_capacity(4);
-    for (point, sign) in std::iter::once((row.at, 1.0)).chain(row.minus.map(|minus| (minus, -1.0))) {
-        let (low, high, share) = bracket(point.frame, counts[point.track]);
-        if share != 1.0 {
-            terms.push((starts[point.track] + low, sign * (1.0 - share)));
-        }
-        if share != 0.0 {
-            terms.push((starts[point.track] + high, sign * share));
-        }
-    }
-    terms
 }
 
 fn soft_rows(rows: &[TimeRow], soft: &[usize], counts: &[usize], starts: &[usize]) -> RowMatrix<f64> {
@@ -438,29 +291,10 @@ fn soft_rows(rows: &[TimeRow], soft: &[usize], counts: &[usize], starts: &[usize
         }
     }
     for row in soft {
-        let root = weight(rows[*row].strength).sqrt();
-        let terms: Vec<(usize, f64)> = row_terms(&rows[*row], counts, starts)
-            .into_iter()
-            .map(|(column, value)| (column, root * value))
-            .collect();
+        let root = rows[*row].weight().sqrt();
+        let mut terms = rows[*row].terms(counts, |track, frame| starts[track] + frame);
+        terms.iter_mut().for_each(|(_, value)| *value *= root);
         matrix.push_row(&terms);
     }
     matrix
-}
-
-/// Times between knots are evenly spaced; before the first and after the last knot steps are those at rest.
-fn spread(knots: &[usize], values: &[f64], times: &mut [f64]) {
-    let (first, last) = (knots[0], knots[knots.len() - 1]);
-    for frame in 0..times.len() {
-        times[frame] = if frame <= first {
-            values[0] - (first - frame) as f64 * WORKING_STEP
-        } else if frame >= last {
-            values[values.len() - 1] + (frame - last) as f64 * WORKING_STEP
-        } else {
-            let after = knots.partition_point(|knot| *knot <= frame);
-            let (a, b) = (knots[after - 1], knots[after]);
-            let share = (frame - a) as f64 / (b - a) as f64;
-            values[after - 1] + share * (values[after] - values[after - 1])
-        };
-    }
 }
