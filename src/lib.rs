@@ -1,6 +1,32 @@
 //! Edits the motion of many synchronized characters at once: paths bend as rigidly as possible, times stretch smoothly,
 //! and every constraint of the choreography holds.
 //!
+//! ```
+//! use std::path::Path;
+//! use cotillion::edit::{Editor, Target};
+//! use cotillion::geometry::c64;
+//! use cotillion::index::ConstraintId;
+//! use cotillion::scene::{ClipFolders, load_text};
+//!
+//! let text = r#"
+//!     [clips]
+//!     walk = "builtin:walk"
+//!     [[character]]
+//!     name = "ann"
+//!     track = ["walk"]
+//!     [[pin]]
+//!     at = "ann:end"
+//!     position = [2.0, -3.0]
+//!     strength = "hard"
+//! "#;
+//! let loaded = load_text(text, Path::new("scene.toml"), &ClipFolders::default()).expect("a sound scene");
+//! let mut editor = Editor::new(loaded.scene).expect("a regular scene");
+//! editor.move_target(ConstraintId(0), Target::Position(c64::new(2.5, -3.0))).expect("the pin has a position");
+//! let edit = editor.solve().expect("the constraints agree");
+//! let last = edit.characters[0].positions.last().expect("a track has frames");
+//! assert!((last - c64::new(2.5, -3.0)).norm() < 1e-9);
+//! ```
+//!
 //! Nouns first, then the steps in the order of the flow; a module uses only modules above it.
 
 pub mod index;
@@ -17,3 +43,8 @@ pub mod resample;
 pub mod metrics;
 pub mod residual;
 pub mod export;
+
+/// The examples of the README compile.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+pub struct Readme;

@@ -259,3 +259,20 @@ fn results_do_not_depend_on_the_number_of_threads() {
     }
     assert!(results[0] == results[1], "the same bytes");
 }
+
+#[test]
+fn the_scene_of_the_readme_runs_and_holds() {
+    let readme = fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("README.md")).expect("a README");
+    let scene = readme.split("```toml\n").nth(1).and_then(|rest| rest.split("```").next()).expect("an example scene");
+    let home = Home::with(scene);
+    let output = home.run(&["--json"]);
+    assert_eq!((output.status.code(), stderr(&output)), (Some(0), String::new()));
+    let report: Value = serde_json::from_slice(&output.stdout).expect("JSON");
+    for constraint in report["constraints"].as_array().expect("an array") {
+        let miss = constraint["residual"].as_f64().expect("a number");
+        assert!(miss < if constraint["strength"] == "hard" { 1e-9 } else { 1e-3 }, "{constraint}");
+    }
+    assert_eq!(report["moments"].as_array().map(Vec::len), Some(3));
+    let hit = report["moments"].as_array().and_then(|moments| moments.iter().find(|m| m["name"] == "ann/slap:hit"));
+    assert!(hit.is_some_and(|hit| (hit["time"].as_f64().unwrap_or(0.0) - 5.0).abs() < 1e-9));
+}

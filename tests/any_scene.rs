@@ -1,0 +1,151 @@
+//! A scene that passes the check never panics later, whatever it asks for: it has a finite answer or an error.
+
+use std::fmt::Write;
+use std::path::Path;
+
+use cotillion::edit::Editor;
+use cotillion::export::report::report;
+use cotillion::export::scene::scene_files;
+use cotillion::resample::resample;
+use cotillion::scene::{ClipFolders, load_text};
+use proptest::prelude::*;
+use proptest::sample::select;
+use proptest::strategy::ValueTree;
+
+const MOMENTS: [&str; 7] = ["start", "end", "10", "12", "40", "41", "75"];
+const CLIPS: &str = "[clips]\nwalk = { builtin = \"walk\", stop = 1 }\nidle = \"builtin:idle\"\n\
+                     run = { builtin = \"walk\", speed = 1.8, start = 1, seconds = 3.0 }\n\
+                     still = { builtin = \"idle\", frames = [40, 42] }\n";
+const TRACKS: [&str; 6] = [
+    "[\"walk\"]",
+    "[\"walk\", \"idle\"]",
+    "[\"idle\"]",
+    "[\"run\", \"walk\"]",
+    "[\"still\"]",
+    "[\"idle\", \"still\", \"run\"]",
+];
+
+fn moment() -> impl Strategy<Value = String> {
+    (select(vec!["a", "b", "c"]), select(MOMENTS.to_vec())).prop_map(|(who, when)| format!("\"{who}:{when}\""))
+}
+
+fn clip_moment() -> impl Strategy<Value = String> {
+    let who = select(vec!["a/walk", "a/idle", "b/walk", "b/run", "c/idle", "a/run", "c/still"]);
+    (who, select(vec!["start", "end", "5", "20.5", "41", "60"])).prop_map(|(who, when)| format!("\"{who}:{when}\""))
+}
+
+fn any_moment() -> impl Strategy<Value = String> {
+    prop_oneof![moment(), clip_moment()]
+}
+
+fn strength() -> impl Strategy<Value = String> {
+    prop_oneof![
+        Just(String::new()),
+        Just("strength = \"hard\"\n".to_owned()),
+        (1e-6..1e6_f64).prop_map(|weight| format!("strength = {weight:?}\n")),
+    ]
+}
+
+fn place() -> impl Strategy<Value = String> {
+    let number = prop_oneof![-8.0..8.0_f64, Just(0.0), Just(3.0), -9e4..9e4_f64];
+    (number.clone(), number).prop_map(|(x, y)| format!("[{x:?}, {y:?}]"))
+}
+
+fn constraint() -> impl Strategy<Value = String> {
+    let facing = || prop_oneof![Just(String::new()), (-400.0..400.0_f64).prop_map(|f| format!("facing = {f:?}\n"))];
+    let pin = (any_moment(), place(), facing(), strength())
+        .prop_map(|(at, place, facing, strength)| format!("[[pin]]\nat = {at}\nposition = {place}\n{facing}{strength}"));
+    let long_pin = (any_moment(), any_moment(), place(), strength()).prop_map(|(from, to, place, strength)| {
+        format!("[[pin]]\nduring = [{from}, {to}]\nposition = {place}\n{strength}")
+    });
+    let relative = (any_moment(), any_moment(), place(), facing(), strength()).prop_map(|(at, to, place, facing, strength)| {
+        format!("[[relative]]\nat = {at}\nto = {to}\noffset = {place}\n{facing}{strength}")
+    });
+    let rest = (any_moment(), any_moment(), strength())
+        .prop_map(|(at, to, strength)| format!("[[relative]]\nat = {at}\nto = {to}\nfacing = \"rest\"\n{strength}"));
+    let along = (prop::collection::vec(any_moment(), 4), strength()).prop_map(|(m, strength)| {
+        format!("[[relative]]\nduring = [{}, {}]\nto = [{}, {}]\n{strength}", m[0], m[1], m[2], m[3])
+    });
+    let boxed = (any_moment(), place(), facing(), strength()).prop_map(|(at, place, facing, strength)| {
+        format!("[[relative]]\nat = {at}\nto = \"box\"\noffset = {place}\n{facing}{strength}")
+    });
+    let time = (any_moment(), -5.0..20.0_f64, strength())
+        .prop_map(|(at, seconds, strength)| format!("[[time]]\nat = {at}\nseconds = {seconds:?}\n{strength}"));
+    let duration = (any_moment(), any_moment(), 0.1..9.0_f64, strength()).prop_map(|(from, to, seconds, strength)| {
+        format!("[[duration]]\nfrom = {from}\nto = {to}\nseconds = {seconds:?}\n{strength}")
+    });
+    let sync = (any_moment(), any_moment(), -2.0..2.0_f64, strength()).prop_map(|(a, b, offset, strength)| {
+        format!("[[sync]]\nmoments = [{a}, {b}]\noffset = {offset:?}\n{strength}")
+    });
+    let in_step = (prop::collection::vec(any_moment(), 4), strength()).prop_map(|(m, strength)| {
+        format!("[[sync]]\nintervals = [[{}, {}], [{}, {}]]\n{strength}", m[0], m[1], m[2], m[3])
+    });
+    prop_oneof![pin, long_pin, relative, rest, along, boxed, time, duration, sync, in_step]
+}
+
+fn scene() -> impl Strategy<Value = String> {
+    let tracks = prop::collection::vec(select(TRACKS.to_vec()), 3);
+    let fps = select(vec![30.0, 24.0, 120.0, 29.97]);
+    let mode = select(vec!["", "mode = \"paper\"\n"]);
+    let bounds = select(vec!["", "[warp]\nmin_step = 0.9\nmax_step = 1.1\n", "[warp]\nmax_step = 8.0\n"]);
+    let constraints = prop::collection::vec(constraint(), 0..6);
+    (tracks, fps, mode, bounds, constraints).prop_map(|(tracks, fps, mode, bounds, constraints)| {
+        let mut text = format!("fps = {fps:?}\n{mode}{CLIPS}");
+        for (name, track) in ["a", "b", "c"].into_iter().zip(tracks) {
+            let _ = write!(text, "[[character]]\nname = \"{name}\"\ntrack = {track}\n");
+        }
+        text += "[[object]]\nname = \"box\"\nsize = [1.0, 1.0, 1.0]\nposition = [1.0, 1.0]\n";
+        text + bounds + &constraints.concat()
+    })
+}
+
+/// Whether the scene passed the check.
+fn perform(text: &str) -> Result<bool, TestCaseError> {
+    let Ok(loaded) = load_text(text, Path::new("any.toml"), &ClipFolders::default()) else { return Ok(false) };
+    let mut editor = match Editor::new(loaded.scene) {
+        Ok(editor) => editor,
+        Err(error) => return Err(TestCaseError::fail(format!("{error}: {:?}", std::error::Error::source(&error)))),
+    };
+    let edit = match editor.solve() {
+        Ok(edit) => edit.clone(),
+        // An answer may not exist, but then the constraints are to blame, not the solver.
+        Err(cotillion::edit::EditError::Solver { system, source, .. }) => {
+            return Err(TestCaseError::fail(format!("{system}: {source}")));
+        }
+        Err(_) => return Ok(true),
+    };
+    let resampled = resample(editor.scene(), &edit);
+    for clip in &resampled.clips {
+        prop_assert!(clip.root_positions.iter().all(|p| p.is_finite()));
+        prop_assert!(clip.rotations.iter().all(|q| q.is_finite()));
+    }
+    prop_assert!(edit.energy.total.is_finite());
+    for constraint in report(editor.scene(), &edit, &resampled).constraints {
+        prop_assert!(constraint.residual.is_finite());
+        if constraint.strength == "hard" {
+            prop_assert!(constraint.path_residual.unwrap_or(0.0) < 1e-6, "{} of {text}", constraint.name);
+        }
+    }
+    prop_assert!(scene_files(editor.scene(), &edit, &resampled).len() == 5);
+    Ok(true)
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 192, max_shrink_iters: 200, ..ProptestConfig::default() })]
+
+    #[test]
+    fn a_sound_scene_has_a_finite_answer_or_an_error(text in scene()) {
+        perform(&text)?;
+    }
+}
+
+#[test]
+fn the_generator_makes_sound_scenes() {
+    let mut runner = proptest::test_runner::TestRunner::deterministic();
+    let mut sound = 0;
+    for _ in 0..60 {
+        let text = scene().new_tree(&mut runner).expect("a scene").current();
+        sound += u32::from(load_text(&text, Path::new("any.toml"), &ClipFolders::default()).is_ok());
+    }
+    assert!(sound >= 15, "{sound} of 60 scenes are sound");
+}
