@@ -1,9 +1,10 @@
 //! By how much the result misses each constraint: on the solved paths, and on the final motion at the moments themselves.
 
+use std::collections::BTreeSet;
 use std::f64::consts::PI;
 
 use crate::clip::facing::facing;
-use crate::constraint::ConstraintKind;
+use crate::constraint::{ConstraintKind, Moment};
 use crate::edit::expand::{Expansion, expand, frame_of};
 use crate::edit::hold::{Hold, Place};
 use crate::edit::time_row::TimePoint;
@@ -110,17 +111,13 @@ fn motion_stance(scene: &Scene, edit: &Edit, place: Place) -> Stance {
 
 /// Every moment that a constraint names, once, in the order of the scene, with its time in the result.
 pub fn moment_times(scene: &Scene, edit: &Edit) -> Vec<MomentTime> {
-    let mut moments: Vec<MomentTime> = Vec::new();
-    for moment in scene.constraints.iter().flat_map(|constraint| constraint.kind.moments()) {
-        if moments.iter().all(|known| known.name != moment.name) {
-            let times = &edit.characters[moment.character.as_usize()].times;
-            moments.push(MomentTime {
-                name: moment.name.clone(),
-                time: time_of(times, frame_of(scene, moment)),
-            });
-        }
-    }
-    moments
+    let mut known = BTreeSet::new();
+    let named = scene.constraints.iter().flat_map(|constraint| constraint.kind.moments());
+    let time = |moment: &Moment| {
+        let times = &edit.characters[moment.character.as_usize()].times;
+        MomentTime { name: moment.name.clone(), time: time_of(times, frame_of(scene, moment)) }
+    };
+    named.filter(|moment| known.insert(&moment.name)).map(time).collect()
 }
 
 /// Largest residual of a constraint in the unit of its kind: metres for places, radians where only a facing is held,

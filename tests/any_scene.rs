@@ -26,12 +26,14 @@ const TRACKS: [&str; 6] = [
 ];
 
 fn moment() -> impl Strategy<Value = String> {
-    (select(vec!["a", "b", "c"]), select(MOMENTS.to_vec())).prop_map(|(who, when)| format!("\"{who}:{when}\""))
+    (select(vec!["a", "b", "c"]), select(MOMENTS.to_vec()))
+        .prop_map(|(who, when)| format!("\"{who}:{when}\""))
 }
 
 fn clip_moment() -> impl Strategy<Value = String> {
     let who = select(vec!["a/walk", "a/idle", "b/walk", "b/run", "c/idle", "a/run", "c/still"]);
-    (who, select(vec!["start", "end", "5", "20.5", "41", "60"])).prop_map(|(who, when)| format!("\"{who}:{when}\""))
+    (who, select(vec!["start", "end", "5", "20.5", "41", "60"]))
+        .prop_map(|(who, when)| format!("\"{who}:{when}\""))
 }
 
 fn any_moment() -> impl Strategy<Value = String> {
@@ -52,31 +54,40 @@ fn place() -> impl Strategy<Value = String> {
 }
 
 fn constraint() -> impl Strategy<Value = String> {
-    let facing = || prop_oneof![Just(String::new()), (-400.0..400.0_f64).prop_map(|f| format!("facing = {f:?}\n"))];
-    let pin = (any_moment(), place(), facing(), strength())
-        .prop_map(|(at, place, facing, strength)| format!("[[pin]]\nat = {at}\nposition = {place}\n{facing}{strength}"));
-    let long_pin = (any_moment(), any_moment(), place(), strength()).prop_map(|(from, to, place, strength)| {
-        format!("[[pin]]\nduring = [{from}, {to}]\nposition = {place}\n{strength}")
+    let facing =
+        || prop_oneof![Just(String::new()), (-400.0..400.0_f64).prop_map(|f| format!("facing = {f:?}\n"))];
+    let pin = (any_moment(), place(), facing(), strength()).prop_map(|(at, place, facing, strength)| {
+        format!("[[pin]]\nat = {at}\nposition = {place}\n{facing}{strength}")
     });
-    let relative = (any_moment(), any_moment(), place(), facing(), strength()).prop_map(|(at, to, place, facing, strength)| {
-        format!("[[relative]]\nat = {at}\nto = {to}\noffset = {place}\n{facing}{strength}")
+    let long_pin =
+        (any_moment(), any_moment(), place(), strength()).prop_map(|(from, to, place, strength)| {
+            format!("[[pin]]\nduring = [{from}, {to}]\nposition = {place}\n{strength}")
+        });
+    let relative = (any_moment(), any_moment(), place(), facing(), strength()).prop_map(
+        |(at, to, place, facing, strength)| {
+            format!("[[relative]]\nat = {at}\nto = {to}\noffset = {place}\n{facing}{strength}")
+        },
+    );
+    let rest = (any_moment(), any_moment(), strength()).prop_map(|(at, to, strength)| {
+        format!("[[relative]]\nat = {at}\nto = {to}\nfacing = \"rest\"\n{strength}")
     });
-    let rest = (any_moment(), any_moment(), strength())
-        .prop_map(|(at, to, strength)| format!("[[relative]]\nat = {at}\nto = {to}\nfacing = \"rest\"\n{strength}"));
     let along = (prop::collection::vec(any_moment(), 4), strength()).prop_map(|(m, strength)| {
         format!("[[relative]]\nduring = [{}, {}]\nto = [{}, {}]\n{strength}", m[0], m[1], m[2], m[3])
     });
     let boxed = (any_moment(), place(), facing(), strength()).prop_map(|(at, place, facing, strength)| {
         format!("[[relative]]\nat = {at}\nto = \"box\"\noffset = {place}\n{facing}{strength}")
     });
-    let time = (any_moment(), -5.0..20.0_f64, strength())
-        .prop_map(|(at, seconds, strength)| format!("[[time]]\nat = {at}\nseconds = {seconds:?}\n{strength}"));
-    let duration = (any_moment(), any_moment(), 0.1..9.0_f64, strength()).prop_map(|(from, to, seconds, strength)| {
-        format!("[[duration]]\nfrom = {from}\nto = {to}\nseconds = {seconds:?}\n{strength}")
+    let time = (any_moment(), -5.0..20.0_f64, strength()).prop_map(|(at, seconds, strength)| {
+        format!("[[time]]\nat = {at}\nseconds = {seconds:?}\n{strength}")
     });
-    let sync = (any_moment(), any_moment(), -2.0..2.0_f64, strength()).prop_map(|(a, b, offset, strength)| {
-        format!("[[sync]]\nmoments = [{a}, {b}]\noffset = {offset:?}\n{strength}")
-    });
+    let duration =
+        (any_moment(), any_moment(), 0.1..9.0_f64, strength()).prop_map(|(from, to, seconds, strength)| {
+            format!("[[duration]]\nfrom = {from}\nto = {to}\nseconds = {seconds:?}\n{strength}")
+        });
+    let sync =
+        (any_moment(), any_moment(), -2.0..2.0_f64, strength()).prop_map(|(a, b, offset, strength)| {
+            format!("[[sync]]\nmoments = [{a}, {b}]\noffset = {offset:?}\n{strength}")
+        });
     let in_step = (prop::collection::vec(any_moment(), 4), strength()).prop_map(|(m, strength)| {
         format!("[[sync]]\nintervals = [[{}, {}], [{}, {}]]\n{strength}", m[0], m[1], m[2], m[3])
     });
@@ -101,10 +112,14 @@ fn scene() -> impl Strategy<Value = String> {
 
 /// Whether the scene passed the check.
 fn perform(text: &str) -> Result<bool, TestCaseError> {
-    let Ok(loaded) = load_text(text, Path::new("any.toml"), &ClipFolders::default()) else { return Ok(false) };
+    let Ok(loaded) = load_text(text, Path::new("any.toml"), &ClipFolders::default()) else {
+        return Ok(false);
+    };
     let mut editor = match Editor::new(loaded.scene) {
         Ok(editor) => editor,
-        Err(error) => return Err(TestCaseError::fail(format!("{error}: {:?}", std::error::Error::source(&error)))),
+        Err(error) => {
+            return Err(TestCaseError::fail(format!("{error}: {:?}", std::error::Error::source(&error))));
+        }
     };
     let edit = match editor.solve() {
         Ok(edit) => edit.clone(),

@@ -209,7 +209,9 @@ fn check_reports_on_every_scene() {
 
 #[test]
 fn wrong_usage_ends_with_exit_code_2() {
-    for arguments in [&["run"][..], &["walk"], &["run", "x.toml"], &["check"], &["inspect", "--fps", "0", "x.bvh"]] {
+    for arguments in
+        [&["run"][..], &["walk"], &["run", "x.toml"], &["check"], &["inspect", "--fps", "0", "x.bvh"]]
+    {
         assert_eq!(cotillion(arguments).status.code(), Some(2), "{arguments:?}");
     }
 }
@@ -223,8 +225,19 @@ fn inspect_prints_the_documented_keys() {
     assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
     let facts: Value = serde_json::from_slice(&output.stdout).expect("JSON");
     let keys = [
-        "file", "joints", "frames", "fps", "unit_to_m", "up", "height", "root_path", "seconds", "contacts", "flights",
-        "stationary", "warnings",
+        "file",
+        "joints",
+        "frames",
+        "fps",
+        "unit_to_m",
+        "up",
+        "height",
+        "root_path",
+        "seconds",
+        "contacts",
+        "flights",
+        "stationary",
+        "warnings",
     ];
     for key in keys {
         assert!(!facts[0][key].is_null(), "{key}");
@@ -262,8 +275,10 @@ fn results_do_not_depend_on_the_number_of_threads() {
 
 #[test]
 fn the_scene_of_the_readme_runs_and_holds() {
-    let readme = fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("README.md")).expect("a README");
-    let scene = readme.split("```toml\n").nth(1).and_then(|rest| rest.split("```").next()).expect("an example scene");
+    let readme =
+        fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("README.md")).expect("a README");
+    let scene =
+        readme.split("```toml\n").nth(1).and_then(|rest| rest.split("```").next()).expect("an example scene");
     let home = Home::with(scene);
     let output = home.run(&["--json"]);
     assert_eq!((output.status.code(), stderr(&output)), (Some(0), String::new()));
@@ -273,6 +288,7 @@ fn the_scene_of_the_readme_runs_and_holds() {
         assert!(miss < if constraint["strength"] == "hard" { 1e-9 } else { 1e-3 }, "{constraint}");
     }
     assert_eq!(report["moments"].as_array().map(Vec::len), Some(3));
-    let hit = report["moments"].as_array().and_then(|moments| moments.iter().find(|m| m["name"] == "ann/slap:hit"));
+    let hit =
+        report["moments"].as_array().and_then(|moments| moments.iter().find(|m| m["name"] == "ann/slap:hit"));
     assert!(hit.is_some_and(|hit| (hit["time"].as_f64().unwrap_or(0.0) - 5.0).abs() < 1e-9));
 }

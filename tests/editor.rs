@@ -176,7 +176,8 @@ fn redundant_constraints_are_named_in_a_note() {
     );
     let mut editor = editor(&text);
     let edit = editor.solve().expect("the two agree");
-    let named = edit.notes.iter().any(|note| matches!(note, EditNote::Redundant(named) if named.name == "once more"));
+    let named =
+        edit.notes.iter().any(|note| matches!(note, EditNote::Redundant(named) if named.name == "once more"));
     assert!(named, "{:?}", edit.notes);
 }
 
@@ -200,7 +201,8 @@ fn a_conflict_names_the_constraints_and_the_editor_recovers() {
 
 #[test]
 fn the_paper_mode_needs_no_bounds_and_refuses_time_that_runs_backwards() {
-    let backwards = THREE.replace("seconds = 6.0", "seconds = 0.5").replace("[clips]", "mode = \"paper\"\n[clips]");
+    let backwards =
+        THREE.replace("seconds = 6.0", "seconds = 0.5").replace("[clips]", "mode = \"paper\"\n[clips]");
     let text = format!("{backwards}\n[[time]]\nat = \"ann:start\"\nseconds = 1.0\nstrength = \"hard\"\n");
     assert!(matches!(editor(&text).solve(), Err(EditError::BackwardTime { .. })));
 }

@@ -21,14 +21,18 @@ fn main() {
     let named = std::env::var_os("COTILLION_MOCAP").map(PathBuf::from);
     let capture = named.or_else(|| Some(root.join("../shared/mocap"))).filter(|folder| folder.is_dir());
     let mut trials: Vec<Trial> = ["walk", "idle", "slap"]
-        .map(|name| Trial::test(format!("builtin:{name}"), move || unchanged(&format!("builtin:{name}"), None)))
+        .map(|name| {
+            Trial::test(format!("builtin:{name}"), move || unchanged(&format!("builtin:{name}"), None))
+        })
         .into();
     match capture {
         None => trials.push(Trial::test("real capture", || Ok(())).with_ignored_flag(true)),
         Some(folder) => {
             for file in captured(&folder) {
                 let folder = folder.clone();
-                trials.push(Trial::test(file.clone(), move || unchanged(&format!("mocap:{file}"), Some(folder))));
+                trials.push(Trial::test(file.clone(), move || {
+                    unchanged(&format!("mocap:{file}"), Some(folder))
+                }));
             }
         }
     }
@@ -55,7 +59,8 @@ fn bare(source: &str, fps: f64) -> String {
 
 fn loaded(text: &str, capture: Option<&PathBuf>) -> Result<Scene, Failed> {
     let folders = ClipFolders { mocap: capture.cloned() };
-    let loaded = load_text(text, Path::new("identity.toml"), &folders).map_err(|faults| faults.to_string())?;
+    let loaded =
+        load_text(text, Path::new("identity.toml"), &folders).map_err(|faults| faults.to_string())?;
     Ok(loaded.scene)
 }
 

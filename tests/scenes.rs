@@ -93,7 +93,8 @@ fn edited(scene: &Scene) -> Result<Vec<(String, Vec<u8>)>, Failed> {
     }
     let resampled = resample(scene, edit);
     for clip in &resampled.clips {
-        let finite = clip.root_positions.iter().all(|p| p.is_finite()) && clip.rotations.iter().all(|q| q.is_finite());
+        let finite =
+            clip.root_positions.iter().all(|p| p.is_finite()) && clip.rotations.iter().all(|q| q.is_finite());
         if !finite {
             return Err(format!("{} has poses that are not finite", clip.name).into());
         }

@@ -8,7 +8,7 @@ use crate::edit::error::{EditError, Named};
 use crate::edit::expand::{expand, retarget};
 use crate::edit::facing::Turns;
 use crate::edit::groups::{Group, spatial_groups, temporal_groups};
-use crate::edit::hold::{HeldRow, Phase, Place};
+use crate::edit::hold::{HeldRow, Phase};
 use crate::edit::note::EditNote;
 use crate::edit::settings::{FacingMode, SpatialSettings};
 use crate::edit::spatial::{SpatialComponent, SpatialError};
@@ -253,18 +253,18 @@ impl Editor {
     fn update_turns(&mut self) {
         for group in &self.spatial {
             let component = &group.component;
-            for (path, character) in group.characters.iter().enumerate() {
+            let facings = held_facings(component);
+            for (path, (character, held)) in group.characters.iter().zip(facings).enumerate() {
                 let edited = &mut self.edit.characters[*character];
-                let pinned: Vec<usize> = pinned_frames(component, path);
                 edited.turns.update(
                     &component.rests[path],
                     &component.edited[path],
                     &component.factors[path],
                     self.settings.facing,
-                    &pinned,
+                    &held.pinned,
                 );
                 if self.settings.facing == FacingMode::TangentBlend {
-                    edited.turns.correct(held_turns(component, path));
+                    edited.turns.correct(held.turns);
                 }
                 let name = &self.scene.characters[*character].name;
                 self.edit.notes.extend(edited.turns.flips.iter().map(|flip| EditNote::Flip {
@@ -310,31 +310,36 @@ fn extent(character: &EditedCharacter) -> Extent {
     }
 }
 
-/// Frames of a path whose direction is held; no repair of turned-over tangents crosses them.
-fn pinned_frames(component: &SpatialComponent, path: usize) -> Vec<usize> {
-    let held = component.held.iter().map(|prepared| prepared.row.hold);
-    held.filter(|hold| hold.is_direction() && hold.at().path == path)
-        .map(|hold| crate::index::floor_index(hold.at().frame))
-        .collect()
+/// What held rows say of the facing of one path.
+#[derive(Clone, Debug, Default)]
+struct HeldFacing {
+    /// Frames whose direction is held; no repair of turned-over tangents crosses them.
+    pinned: Vec<usize>,
+    /// Frames whose facing the shape phase decides, with the turn it gives; hard rows first.
+    turns: Vec<(f64, f64)>,
 }
 
-/// Frames of a path whose facing the shape phase decides, with the turn it gives; hard rows first.
-fn held_turns(component: &SpatialComponent, path: usize) -> Vec<(f64, f64)> {
-    let mut turns: Vec<(bool, f64, f64)> = Vec::new();
-    for (prepared, rotations) in component.held.iter().zip(&component.rotations) {
-        let HeldRow { hold, strength, .. } = prepared.row;
-        let soft = strength != Strength::Hard;
-        let matters = |place: Place| hold.is_direction() || place.detail != c64::default();
-        let at = hold.at();
-        if at.path == path && matters(at) {
-            turns.push((soft, at.frame, rotations.at.arg()));
-        }
-        if let Some(to) = hold.to().filter(|to| to.path == path) {
-            turns.push((soft, to.frame, rotations.to.arg()));
+fn held_facings(component: &SpatialComponent) -> Vec<HeldFacing> {
+    let mut facings = vec![HeldFacing::default(); component.rests.len()];
+    for pass in [true, false] {
+        for (prepared, rotations) in component.held.iter().zip(&component.rotations) {
+            let HeldRow { hold, strength, .. } = prepared.row;
+            if (strength == Strength::Hard) != pass {
+                continue;
+            }
+            let at = hold.at();
+            if hold.is_direction() {
+                facings[at.path].pinned.push(crate::index::floor_index(at.frame));
+            }
+            if hold.is_direction() || at.detail != c64::default() {
+                facings[at.path].turns.push((at.frame, rotations.at.arg()));
+            }
+            if let Some(to) = hold.to() {
+                facings[to.path].turns.push((to.frame, rotations.to.arg()));
+            }
         }
     }
-    turns.sort_by_key(|(soft, _, _)| *soft);
-    turns.into_iter().map(|(_, frame, turn)| (frame, turn)).collect()
+    facings
 }
 
 fn named(scene: &Scene, constraint: ConstraintId) -> Named {

@@ -3,15 +3,14 @@
 //! Shape rows do not see a similarity of a path, scale rows not a shift and an even stretch; what the constraints do not
 //! decide either stays as at rest. Rows along these motions cost no energy and bias nothing else.
 
-use cotillion_solvers::{DMatrix, null_space};
+use std::collections::BTreeMap;
+
+use cotillion_solvers::{RowMatrix, analyse_rank};
 
 use crate::edit::hold::{Phase, Term};
 use crate::edit::settings::RunMode;
 use crate::geometry::c64;
 use crate::path::{COINCIDENT, RestPath};
-
-/// Singular values below this share of the largest are free motions.
-const FREE: f64 = 1e-9;
 
 /// Orthonormal motions of one path that its rows do not see: by motion, then frame.
 fn invisible_motions(path: &RestPath, phase: Phase, fixed_slope: bool) -> Vec<Vec<c64>> {
@@ -31,9 +30,13 @@ fn invisible_motions(path: &RestPath, phase: Phase, fixed_slope: bool) -> Vec<Ve
     vec![shift, centred.into_iter().map(|p| p / length).collect()]
 }
 
+/// A combination of motions: motion, share; rising.
+type Combination = Vec<(usize, c64)>;
+
 /// Rows that fix the free motions of a component: orthonormal coefficients on the points of its paths.
 ///
-/// `functionals`: all held rows of the phase. Cost: cubic in the number of paths.
+/// `functionals`: all held rows of the phase. Cost: linear in frames; near linear in paths where constraints tie
+/// neighbours only, as their sparse elimination is.
 pub fn rows(
     paths: &[RestPath],
     functionals: &[Vec<Term>],
@@ -48,34 +51,77 @@ pub fn rows(
         let own = invisible_motions(path, phase, fixed_slope);
         motions.extend(own.into_iter().map(|motion| (index, motion)));
     }
-    let free = free_combinations(&motions, functionals);
-    (0..free.ncols())
-        .map(|column| {
-            motions
-                .iter()
-                .enumerate()
-                .filter(|(row, _)| free[(*row, column)].norm() > 1e-14)
-                .flat_map(|(row, (path, motion))| {
-                    let share = free[(row, column)];
-                    motion
-                        .iter()
-                        .enumerate()
-                        .map(move |(frame, value)| (*path, frame, (share * value).conj()))
-                })
-                .collect()
-        })
+    let on_frames = |(row, share): (usize, c64)| {
+        let (path, motion) = &motions[row];
+        motion.iter().enumerate().map(move |(frame, value)| (*path, frame, (share * value).conj()))
+    };
+    free_combinations(&motions, paths.len(), functionals)
+        .into_iter()
+        .map(|combination| combination.into_iter().flat_map(on_frames).collect())
         .collect()
 }
 
-/// Combinations of `motions` that no functional sees, as orthonormal columns.
-fn free_combinations(motions: &[(usize, Vec<c64>)], functionals: &[Vec<Term>]) -> DMatrix<c64> {
-    let mut seen: DMatrix<c64> = DMatrix::from_element(functionals.len(), motions.len(), c64::default());
+/// Combinations of `motions` that no functional sees, orthonormal: the dependencies among what functionals see of each.
+fn free_combinations(
+    motions: &[(usize, Vec<c64>)],
+    path_count: usize,
+    functionals: &[Vec<Term>],
+) -> Vec<Combination> {
+    let mut of_path: Vec<Vec<usize>> = vec![Vec::new(); path_count];
+    for (index, (path, _)) in motions.iter().enumerate() {
+        of_path[*path].push(index);
+    }
+    let mut seen: Vec<Combination> = vec![Vec::new(); motions.len()];
     for (row, terms) in functionals.iter().enumerate() {
         let length = terms.iter().map(|(_, _, factor)| factor.norm_sqr()).sum::<f64>().sqrt();
-        for (column, (path, motion)) in motions.iter().enumerate() {
-            let own = terms.iter().filter(|(p, _, _)| p == path);
-            seen[(row, column)] = own.map(|(_, frame, factor)| factor * motion[*frame]).sum::<c64>() / length;
+        for (path, frame, factor) in terms {
+            for motion in &of_path[*path] {
+                seen[*motion].push((row, factor * motions[*motion].1[*frame] / length));
+            }
         }
     }
-    null_space(&seen, FREE)
+    let mut matrix = RowMatrix::new(functionals.len().max(1));
+    for own in &seen {
+        matrix.push_row(own);
+    }
+    let dependent = analyse_rank(&matrix.to_csr()).dependent;
+    orthonormal(dependent.into_iter().map(|dependency| dependency.combination))
+}
+
+/// Modified Gram–Schmidt, twice, on sparse vectors that are independent.
+fn orthonormal(vectors: impl Iterator<Item = Combination>) -> Vec<Combination> {
+    let mut basis: Vec<Combination> = Vec::new();
+    for mut vector in vectors {
+        vector.sort_unstable_by_key(|(index, _)| *index);
+        for _ in 0..2 {
+            for known in &basis {
+                let share = dot(known, &vector);
+                if share != c64::default() {
+                    vector = less(&vector, share, known);
+                }
+            }
+            let length = vector.iter().map(|(_, value)| value.norm_sqr()).sum::<f64>().sqrt();
+            vector.iter_mut().for_each(|(_, value)| *value /= length);
+        }
+        basis.push(vector);
+    }
+    basis
+}
+
+/// `aᴴb` of sparse vectors.
+fn dot(a: &Combination, b: &Combination) -> c64 {
+    let value = |(index, x): &(usize, c64)| {
+        b.binary_search_by_key(index, |(other, _)| *other)
+            .map_or(c64::default(), |place| x.conj() * b[place].1)
+    };
+    a.iter().map(value).sum()
+}
+
+/// `a − share·b` of sparse vectors.
+fn less(a: &Combination, share: c64, b: &Combination) -> Combination {
+    let mut sum: BTreeMap<usize, c64> = a.iter().copied().collect();
+    for (index, value) in b {
+        *sum.entry(*index).or_default() -= share * value;
+    }
+    sum.into_iter().collect()
 }

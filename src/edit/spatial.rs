@@ -138,18 +138,15 @@ impl SpatialComponent {
 
     /// Rotations before the shape phase, which only bodies without direction use: what a facing of their own says.
     fn rest_rotations(&mut self) {
-        let facing = |path: usize| {
-            self.held.iter().find_map(|prepared| match prepared.row.hold {
-                Hold::Facing { at, heading } if at.path == path && prepared.at.is_none() => {
-                    Some(cis(heading - at.heading))
-                }
-                _ => None,
-            })
-        };
+        let mut facings = vec![c64::new(1.0, 0.0); self.rests.len()];
+        for prepared in self.held.iter().rev().filter(|prepared| prepared.at.is_none()) {
+            if let Hold::Facing { at, heading } = prepared.row.hold {
+                facings[at.path] = cis(heading - at.heading);
+            }
+        }
         for (rotations, prepared) in self.rotations.iter_mut().zip(&self.held) {
-            rotations.at = facing(prepared.row.hold.at().path).unwrap_or(c64::new(1.0, 0.0));
-            rotations.to =
-                prepared.row.hold.to().and_then(|to| facing(to.path)).unwrap_or(c64::new(1.0, 0.0));
+            rotations.at = facings[prepared.row.hold.at().path];
+            rotations.to = prepared.row.hold.to().map_or(c64::new(1.0, 0.0), |to| facings[to.path]);
         }
     }
 
@@ -176,22 +173,20 @@ impl SpatialComponent {
 
     /// Gives partners without direction the rotation that a relative facing of their own decided.
     fn spread_still_rotations(&mut self) -> bool {
-        let decided: Vec<(usize, c64)> = self
-            .held
-            .iter()
-            .zip(&self.rotations)
-            .filter(|(prepared, _)| prepared.at.is_none() && prepared.row.hold.is_direction())
-            .map(|(prepared, rotations)| (prepared.row.hold.at().path, rotations.at))
-            .collect();
-        let find = |path: usize| decided.iter().find(|(p, _)| *p == path).map(|(_, rotation)| *rotation);
+        let mut decided: Vec<Option<c64>> = vec![None; self.rests.len()];
+        for (prepared, rotations) in self.held.iter().zip(&self.rotations).rev() {
+            if prepared.at.is_none() && prepared.row.hold.is_direction() {
+                decided[prepared.row.hold.at().path] = Some(rotations.at);
+            }
+        }
         let mut changed = false;
         for (rotations, prepared) in self.rotations.iter_mut().zip(&self.held) {
-            if let (None, Some(rotation)) = (prepared.at, find(prepared.row.hold.at().path)) {
+            if let (None, Some(rotation)) = (prepared.at, decided[prepared.row.hold.at().path]) {
                 changed |= rotations.at != rotation;
                 rotations.at = rotation;
             }
             let partner = prepared.row.hold.to().filter(|_| prepared.to.is_none());
-            if let Some(rotation) = partner.and_then(|to| find(to.path)) {
+            if let Some(rotation) = partner.and_then(|to| decided[to.path]) {
                 changed |= rotations.to != rotation;
                 rotations.to = rotation;
             }

@@ -221,8 +221,11 @@ impl TemporalComponent {
         nodes.sort_by(|a, b| a.0.cmp(&b.0).then(a.1.total_cmp(&b.1)));
         nodes.dedup();
         let origin = nodes.len();
-        let node =
-            |point: TimePoint| nodes.iter().position(|n| *n == (point.track, point.frame)).unwrap_or(origin);
+        let order = |a: &(usize, f64), b: &(usize, f64)| a.0.cmp(&b.0).then(a.1.total_cmp(&b.1));
+        let node = |point: TimePoint| {
+            let place = nodes.binary_search_by(|known| order(known, &(point.track, point.frame)));
+            place.unwrap_or(origin)
+        };
         let mut differences = Vec::new();
         for (index, pair) in nodes.windows(2).enumerate().filter(|(_, pair)| pair[0].0 == pair[1].0) {
             let rest = (pair[1].1 - pair[0].1) * WORKING_STEP;

@@ -6,8 +6,8 @@ use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use crate::clip::{Clip, builtin, bvh};
 use crate::clip::bvh::ReadNote;
+use crate::clip::{Clip, builtin, bvh};
 use crate::scene::suggest;
 use crate::scene::values::Up;
 
@@ -98,10 +98,7 @@ fn read_file(path: &Path, options: FileOptions) -> Result<Read, Unreadable> {
     };
     let name = path.file_stem().map_or_else(String::new, |stem| stem.to_string_lossy().into_owned());
     match bvh::read(&bytes, &name, &options) {
-        Ok(read) => Ok(Read {
-            clip: Arc::new(read.clip),
-            notes: read.notes,
-        }),
+        Ok(read) => Ok(Read { clip: Arc::new(read.clip), notes: read.notes }),
         Err(error) => Err(Unreadable {
             message: format!("{}: {error}", path.display()),
             help: "mend the file, or name another one".to_owned(),

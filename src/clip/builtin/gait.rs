@@ -108,7 +108,11 @@ impl Gait {
         let step = Step { before: plant(cycle - 1.0), plant: plant(cycle), next: plant(cycle + 1.0) };
         if step.plant == step.next {
             let Plant { ankle, turn } = step.plant;
-            return self.landing(step, if phase < FLAT { phase } else { FLAT }, Foot { ankle, turn, pitch: 0.0, toe: 0.0 });
+            return self.landing(
+                step,
+                if phase < FLAT { phase } else { FLAT },
+                Foot { ankle, turn, pitch: 0.0, toe: 0.0 },
+            );
         }
         if phase < TOE_OFF { self.supporting(step, phase) } else { self.swinging(step, phase) }
     }

@@ -202,7 +202,8 @@ fn walk(body: Body, values: &BTreeMap<&str, f64>) -> Clip {
     let mut gait = Gait::new(body, values["speed"], FPS);
     let (starts, stops) = (values["start"] >= 0.5, values["stop"] >= 0.5);
     // A strike of the left foot falls on a frame.
-    let before = if starts { ((STANDING + 0.5 * SETTING_OFF * gait.period) * FPS).round() / FPS } else { 0.0 };
+    let before =
+        if starts { ((STANDING + 0.5 * SETTING_OFF * gait.period) * FPS).round() / FPS } else { 0.0 };
     let mut seconds = values["seconds"];
     if stops {
         let after = HALTING * gait.period + STANDING;
