@@ -142,6 +142,27 @@ fn fractional_moments_are_held_between_frames() {
     }
 }
 
+#[test]
+fn a_track_that_ends_between_frames_is_stretched_evenly() {
+    let rows = vec![
+        row(0, point(0, 0.0), None, 0.0, Strength::Hard),
+        row(1, point(0, 39.75), None, 39.75 * H * 1.2, Strength::Hard),
+    ];
+    for settings in [TemporalSettings::default(), bounds(0.5, 1.2)] {
+        let result = solved(&[40], rows.clone(), settings);
+        for pair in result.times[0].windows(2) {
+            assert!((pair[1] - pair[0] - 1.2 * H).abs() < EXACT);
+        }
+    }
+    let mut rows = rows;
+    rows.push(row(2, point(0, 20.0), None, 40.0 * H, Strength::Soft(100.0)));
+    let result = solved(&[40], rows, bounds(0.5, 1.3));
+    for (i, pair) in result.times[0].windows(2).enumerate() {
+        let expected = if i < 20 { 1.3 } else { (39.75 * 1.2 - 20.0 * 1.3) / 19.75 };
+        assert!((pair[1] - pair[0] - expected * H).abs() < EXACT);
+    }
+}
+
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(48))]
 

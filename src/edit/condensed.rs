@@ -16,6 +16,7 @@ pub struct Condensed<'a> {
     hard: &'a [TimeRow],
     soft: &'a [TimeRow],
     counts: &'a [usize],
+    tails: &'a [f64],
     gauge: bool,
     /// Constrained frames of each track, rising.
     knots: Vec<Vec<usize>>,
@@ -25,8 +26,14 @@ pub struct Condensed<'a> {
 
 impl<'a> Condensed<'a> {
     /// Finds the frames of `counts`-long tracks that rows touch; a track that none touches keeps its first. `gauge`: the
-    /// very first frame stays at 0.
-    pub fn new(counts: &'a [usize], hard: &'a [TimeRow], soft: &'a [TimeRow], gauge: bool) -> Self {
+    /// very first frame stays at 0. `tails`: what rows hold beyond the last frame of each track, in steps. `hard`, `soft`:
+    /// the rows.
+    pub fn new(
+        counts: &'a [usize],
+        tails: &'a [f64],
+        (hard, soft): (&'a [TimeRow], &'a [TimeRow]),
+        gauge: bool,
+    ) -> Self {
         let mut knots: Vec<Vec<usize>> = vec![Vec::new(); counts.len()];
         for point in hard.iter().chain(soft).flat_map(|row| std::iter::once(row.at).chain(row.minus)) {
             let (low, high, share) = bracket(point.frame, counts[point.track]);
@@ -46,7 +53,7 @@ impl<'a> Condensed<'a> {
             offsets.push(next);
             next += own.len();
         }
-        Self { hard, soft, counts, gauge, knots, offsets }
+        Self { hard, soft, counts, tails, gauge, knots, offsets }
     }
 
     /// The quadratic program: springs, soft rows, hard rows, two bounds a piece.
@@ -56,9 +63,9 @@ impl<'a> Condensed<'a> {
         let mut springs = Springs { hessian: DMatrix::zeros(size, size), linear: DVector::zeros(size) };
         let mut inequalities = DMatrix::zeros(2 * pieces.len(), size);
         let mut lower_bounds = DVector::zeros(2 * pieces.len());
-        for (index, Piece { from, to, steps }) in pieces.into_iter().enumerate() {
+        for (index, Piece { from, to, steps, weight }) in pieces.into_iter().enumerate() {
             let rest = steps * WORKING_STEP;
-            springs.add(&[(from, -1.0), (to, 1.0)], 1.0 / steps, rest);
+            springs.add(&[(from, -1.0), (to, 1.0)], weight / steps, rest);
             for (row, sign, bound) in [(2 * index, 1.0, bounds.min), (2 * index + 1, -1.0, bounds.max)] {
                 inequalities[(row, from)] = -sign;
                 inequalities[(row, to)] = sign;
@@ -81,16 +88,20 @@ impl<'a> Condensed<'a> {
     }
 
     fn pieces(&self) -> Vec<Piece> {
-        let own = |(knots, offset): (&Vec<usize>, &usize)| {
-            let offset = *offset;
-            let piece = move |(index, pair): (usize, &[usize])| Piece {
-                from: offset + index,
-                to: offset + index + 1,
-                steps: (pair[1] - pair[0]) as f64,
-            };
-            knots.windows(2).enumerate().map(piece).collect::<Vec<_>>()
-        };
-        self.knots.iter().zip(&self.offsets).flat_map(own).collect()
+        let mut pieces = Vec::new();
+        for (track, (knots, offset)) in self.knots.iter().zip(&self.offsets).enumerate() {
+            for (index, pair) in knots.windows(2).enumerate() {
+                // Rows beyond the last frame touch the last two: the step between them is a piece of its own.
+                let last = pair[1] + 1 == self.counts[track];
+                pieces.push(Piece {
+                    from: offset + index,
+                    to: offset + index + 1,
+                    steps: (pair[1] - pair[0]) as f64,
+                    weight: if last { 1.0 + self.tails[track] } else { 1.0 },
+                });
+            }
+        }
+        pieces
     }
 
     fn equalities(&self, size: usize) -> (DMatrix<f64>, DVector<f64>) {
@@ -122,6 +133,7 @@ struct Piece {
     from: usize,
     to: usize,
     steps: f64,
+    weight: f64,
 }
 
 /// A quadratic form under construction.

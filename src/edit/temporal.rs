@@ -66,6 +66,8 @@ pub struct TemporalComponent {
     pub active_steps: usize,
     settings: TemporalSettings,
     starts: Vec<usize>,
+    /// What constraints hold beyond the last frame of each track, in steps.
+    tails: Vec<f64>,
     gauge: Option<usize>,
     hard: Vec<usize>,
     soft: Vec<usize>,
@@ -107,14 +109,17 @@ impl TemporalComponent {
         if let Some(column) = gauge {
             kept_matrix.push_row(&[(column, 1.0)]);
         }
-        let soft_matrix = soft_rows(&rows, &soft, &counts, &starts);
+        let tails = tails(&counts, &rows);
+        let soft_matrix = soft_rows(&rows, &soft, &counts, &starts, &tails);
+        let soft_targets = step_targets(&counts, &tails, soft_matrix.rows());
         let problem = LeastSquares { columns, soft: soft_matrix.to_csr(), hard: kept_matrix.to_csr() };
         Self {
             times: counts.iter().map(|count| vec![0.0; *count]).collect(),
             energy: (0.0, 0.0),
             active_steps: 0,
             factor: None,
-            soft_targets: vec![WORKING_STEP; problem.soft.rows()],
+            soft_targets,
+            tails,
             hard_targets: vec![0.0; problem.hard.rows()],
             x: vec![0.0; columns],
             kept: rank.independent,
@@ -252,7 +257,8 @@ impl TemporalComponent {
     fn solve_condensed(&mut self, bounds: StepBounds) -> Result<(), TemporalError> {
         let hard: Vec<TimeRow> = self.kept.iter().map(|kept| self.rows[self.hard[*kept]]).collect();
         let soft: Vec<TimeRow> = self.soft.iter().map(|row| self.rows[*row]).collect();
-        let condensed = Condensed::new(&self.counts, &hard, &soft, self.gauge.is_some());
+        let rows = (&hard[..], &soft[..]);
+        let condensed = Condensed::new(&self.counts, &self.tails, rows, self.gauge.is_some());
         let solution = solve_bounded(&condensed.problem(bounds), self.settings.method)
             .map_err(|error| self.explain(error))?;
         condensed.expand(&solution.x, &mut self.times);
@@ -277,17 +283,46 @@ impl TemporalComponent {
     }
 }
 
+/// How far beyond the last frame of each track some constraint lies, in steps: tracks may end between working frames.
+fn tails(counts: &[usize], rows: &[TimeRow]) -> Vec<f64> {
+    let mut tails = vec![0.0; counts.len()];
+    for point in rows.iter().flat_map(|row| std::iter::once(row.at).chain(row.minus)) {
+        let beyond = point.frame - (counts[point.track] as f64 - 1.0);
+        tails[point.track] = beyond.max(tails[point.track]);
+    }
+    tails
+}
+
+/// Right-hand sides of `rows` soft rows, those of constraints 0.
+fn step_targets(counts: &[usize], tails: &[f64], rows: usize) -> Vec<f64> {
+    let mut targets = Vec::with_capacity(rows);
+    for (count, tail) in counts.iter().zip(tails).filter(|(count, _)| **count > 1) {
+        targets.resize(targets.len() + count - 2, WORKING_STEP);
+        targets.push(WORKING_STEP * (1.0 + tail).sqrt());
+    }
+    targets.resize(rows, 0.0);
+    targets
+}
+
 fn unique(mut constraints: Vec<ConstraintId>) -> Vec<ConstraintId> {
     constraints.sort_unstable();
     constraints.dedup();
     constraints
 }
 
-fn soft_rows(rows: &[TimeRow], soft: &[usize], counts: &[usize], starts: &[usize]) -> RowMatrix<f64> {
+/// Rows of the steps, then of the soft constraints. A last step that also decides the time after it counts accordingly.
+fn soft_rows(
+    rows: &[TimeRow],
+    soft: &[usize],
+    counts: &[usize],
+    starts: &[usize],
+    tails: &[f64],
+) -> RowMatrix<f64> {
     let mut matrix = RowMatrix::new(counts.iter().sum());
-    for (start, count) in starts.iter().zip(counts) {
+    for ((start, count), tail) in starts.iter().zip(counts).zip(tails) {
         for frame in 0..count - 1 {
-            matrix.push_row(&[(start + frame, -1.0), (start + frame + 1, 1.0)]);
+            let root = if frame + 2 == *count { (1.0 + tail).sqrt() } else { 1.0 };
+            matrix.push_row(&[(start + frame, -root), (start + frame + 1, root)]);
         }
     }
     for row in soft {

@@ -8,6 +8,7 @@ use std::sync::Arc;
 use rayon::prelude::*;
 
 use crate::clip::Clip;
+use crate::clip::bvh::ReadNote;
 use crate::clip::working::{WORKING_STEP, WorkingClip};
 use crate::index::SourceFrame;
 use crate::scene::moment::{Entry, SEPARATORS};
@@ -217,7 +218,8 @@ fn entry(name: &str, declared: &At<raw::Clip>, read: Option<&Read>, report: &mut
     let Some(Read { clip, notes }) = read else {
         return Entry { name: name.to_owned(), clip: None, events: Arc::default() };
     };
-    for note in notes {
+    let settled = matches!(frames, Field::Given(_));
+    for note in notes.into_iter().filter(|note| !(settled && matches!(note, ReadNote::RestPoseLeftOut { .. }))) {
         let help = "settle it in the clip's table, or leave it if it is right";
         report.warn(&declared.place, format!("clip \"{name}\": {note}"), help);
     }

@@ -7,6 +7,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use crate::clip::{Clip, builtin, bvh};
+use crate::clip::bvh::ReadNote;
 use crate::scene::suggest;
 use crate::scene::values::Up;
 
@@ -46,7 +47,7 @@ pub struct Read {
     /// The clip.
     pub clip: Arc<Clip>,
     /// For people.
-    pub notes: Vec<String>,
+    pub notes: Vec<ReadNote>,
 }
 
 /// Why a source gives no clip.
@@ -99,7 +100,7 @@ fn read_file(path: &Path, options: FileOptions) -> Result<Read, Unreadable> {
     match bvh::read(&bytes, &name, &options) {
         Ok(read) => Ok(Read {
             clip: Arc::new(read.clip),
-            notes: read.notes.iter().map(ToString::to_string).collect(),
+            notes: read.notes,
         }),
         Err(error) => Err(Unreadable {
             message: format!("{}: {error}", path.display()),

@@ -1,4 +1,7 @@
-//! Steady walking from footplants: where the feet are decides, the legs follow by inverse kinematics.
+//! Walking from footplants: where the feet are decides, the legs follow by inverse kinematics.
+//!
+//! A walk may set off from a stand and come to one: then the first and last plants are those of the stand, the pelvis gains
+//! and loses its speed evenly, and everything else of the gait grows and fades with that speed.
 //!
 //! Phase 0 is a strike of the left foot, phase ½ one of the right. A foot strikes with its toes up and turns about the
 //! ankle until flat, stays flat, lifts its heel about the toe joint, which stays put, and swings.
@@ -8,6 +11,7 @@ use std::f64::consts::TAU;
 use glam::{DQuat, DVec3};
 
 use super::body::{ANKLE_HEIGHT, Body, Foot, PELVIS_HEIGHT, Side, TOE_OFFSET, Trunk};
+use super::stand;
 use crate::geometry::smoothstep;
 use crate::skeleton::Pose;
 
@@ -26,6 +30,9 @@ const MID_STANCE: f64 = 0.31;
 const HALF_STEP_WIDTH: f64 = 0.065;
 /// Turn of the toes outwards, radians.
 const TOES_OUT: f64 = 0.07;
+/// Cycles in which a walk gains its speed and loses it. Both are long enough for every leg to reach.
+pub(super) const SETTING_OFF: f64 = 1.3;
+pub(super) const HALTING: f64 = 1.0;
 /// Share of a straight leg that the most stretched leg of the cycle has.
 const LONGEST_LEG: f64 = 0.995;
 
@@ -39,6 +46,32 @@ pub(super) struct Gait {
     pub(super) period: f64,
     /// Pelvis above the ground on average, metres.
     height: f64,
+    /// Where the walk begins and ends, if it does.
+    pub(super) ends: Ends,
+}
+
+/// Stands at the ends of a walk.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Ends {
+    /// Sets off from a stand, at full speed half [`SETTING_OFF`] cycles after the first strike.
+    pub(super) start: bool,
+    /// Strike of the left foot, in cycles, at which it begins to halt.
+    pub(super) stop: Option<f64>,
+}
+
+/// Where a foot stands from one strike to the next lift.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Plant {
+    ankle: DVec3,
+    turn: f64,
+}
+
+/// What a foot does between two plants.
+#[derive(Clone, Copy, Debug)]
+struct Step {
+    before: Plant,
+    plant: Plant,
+    next: Plant,
 }
 
 impl Gait {
@@ -49,7 +82,9 @@ impl Gait {
         const WALK_RATIO: f64 = 0.39;
         let step = (speed * WALK_RATIO * body.scale).sqrt();
         let half_period = (step / speed * fps).round() / fps;
-        let mut gait = Self { height: PELVIS_HEIGHT * body.scale, period: 2.0 * half_period, body, speed };
+        let height = PELVIS_HEIGHT * body.scale;
+        let ends = Ends::default();
+        let mut gait = Self { height, period: 2.0 * half_period, body, speed, ends };
         gait.height = gait.highest_reachable();
         gait
     }
@@ -69,13 +104,57 @@ impl Gait {
         // A strike falls on a frame; rounding must not put it before itself.
         let cycle = (cycles + 1e-9).floor();
         let phase = (cycles - cycle).max(0.0);
-        let plant = DVec3::new(
+        let plant = |cycle: f64| self.plant(side, cycle + delay);
+        let step = Step { before: plant(cycle - 1.0), plant: plant(cycle), next: plant(cycle + 1.0) };
+        if step.plant == step.next {
+            let Plant { ankle, turn } = step.plant;
+            return self.landing(step, if phase < FLAT { phase } else { FLAT }, Foot { ankle, turn, pitch: 0.0, toe: 0.0 });
+        }
+        if phase < TOE_OFF { self.supporting(step, phase) } else { self.swinging(step, phase) }
+    }
+
+    /// Plant of a foot that strikes at `strike`, in cycles.
+    fn plant(&self, side: Side, strike: f64) -> Plant {
+        let stand = |z: f64| {
+            let (ankle, turn) = stand::planted(&self.body, side);
+            Plant { ankle: ankle + DVec3::Z * z, turn }
+        };
+        if self.ends.start && strike < -1e-9 {
+            return stand(0.0);
+        }
+        if let Some(stop) = self.ends.stop.filter(|stop| strike > stop + 1e-9) {
+            return stand(self.travel(self.period * (stop + HALTING)));
+        }
+        let ankle = DVec3::new(
             side.sign() * HALF_STEP_WIDTH * self.body.scale,
             ANKLE_HEIGHT * self.body.scale,
-            self.speed * self.period * (cycle + delay) + self.reach_ahead(),
+            self.speed * self.period * strike + self.reach_ahead(),
         );
-        let turn = side.sign() * TOES_OUT;
-        if phase < TOE_OFF { self.supporting(plant, turn, phase) } else { self.swinging(plant, turn, phase) }
+        Plant { ankle, turn: side.sign() * TOES_OUT }
+    }
+
+    /// Where the pelvis is `time` seconds after the first strike, metres ahead.
+    fn travel(&self, time: f64) -> f64 {
+        let half = 0.5 * SETTING_OFF * self.period;
+        if self.ends.start && time < half {
+            return self.speed * (time + half).max(0.0).powi(2) / (4.0 * half);
+        }
+        match self.ends.stop.map(|stop| stop * self.period).filter(|stop| time > *stop) {
+            Some(stop) => {
+                let length = HALTING * self.period;
+                let gone = (time - stop).min(length);
+                self.speed * (stop + gone - gone * gone / (2.0 * length))
+            }
+            None => self.speed * time,
+        }
+    }
+
+    /// Share of the full speed, smoothed.
+    fn pace(&self, time: f64) -> f64 {
+        let cycles = time / self.period;
+        let started = if self.ends.start { smoothstep(cycles / SETTING_OFF + 0.5) } else { 1.0 };
+        let stopping = self.ends.stop.map_or(1.0, |stop| 1.0 - smoothstep((cycles - stop) / HALTING));
+        started * stopping
     }
 
     /// Distance of a striking ankle ahead of the pelvis, metres.
@@ -103,20 +182,22 @@ impl Gait {
 
     /// Pose and how far its more stretched leg is stretched.
     fn stretched_pose(&self, time: f64) -> (Pose, f64) {
-        let pace = self.speed.min(1.6) / 1.2;
+        let share = self.pace(time);
+        let pace = share * self.speed.min(1.6) / 1.2;
         let angle = TAU * time / self.period;
         let wave = |phase: f64| (angle - TAU * phase).cos();
         let bob = (2.0 * (angle - TAU * MID_STANCE)).cos();
+        let stand = stand::pelvis_height(&self.body);
         let pelvis = DVec3::new(
-            0.018 * self.body.scale * wave(MID_STANCE),
-            self.height + 0.021 * self.body.scale * pace * bob,
-            self.speed * time,
+            0.018 * self.body.scale * share * wave(MID_STANCE),
+            stand + share * (self.height - stand) + 0.021 * self.body.scale * pace * bob,
+            self.travel(time),
         );
         let trunk = Trunk {
             pelvis_turn: -0.07 * pace * wave(0.03),
             pelvis_list: 0.045 * pace * wave(0.2),
             chest_turn: 0.08 * pace * wave(0.03),
-            lean: 0.03 + 0.03 * pace,
+            lean: stand::LEAN + share * (0.03 - stand::LEAN) + 0.03 * pace,
         };
         let mut pose = self.body.pose(pelvis, trunk);
         let mut longest: f64 = 0.0;
@@ -124,22 +205,33 @@ impl Gait {
             let stretch = self.body.place_foot(&mut pose, side, self.foot(side, time));
             longest = longest.max(stretch);
             let back = side.sign() * wave(0.04);
-            let bend = 0.28 + 0.14 * pace * (1.0 - back);
-            self.body.hang_arm(&mut pose, side, pace * (0.36 * back - 0.02), bend);
+            let (swing, bend) = (pace * (0.36 * back - 0.02), 0.28 + 0.14 * pace * (1.0 - back));
+            let (stand_swing, stand_bend) = stand::HANGING_ARM;
+            stand::lift_collar(&mut pose, side, 1.0 - share);
+            let mixed = |stand: f64, walk: f64| stand + share * (walk - stand);
+            self.body.hang_arm(&mut pose, side, mixed(stand_swing, swing), mixed(stand_bend, bend));
         }
         (pose, longest)
     }
 
     /// On the ground: toes come down, flat, heel goes up about the toe joint.
-    fn supporting(&self, plant: DVec3, turn: f64, phase: f64) -> Foot {
+    fn supporting(&self, step: Step, phase: f64) -> Foot {
+        let Plant { ankle, turn } = step.plant;
         if phase < HEEL_OFF {
-            let pitch = STRIKE_PITCH * (1.0 - smoothstep(phase / FLAT));
-            return Foot { ankle: plant, turn, pitch, toe: 0.0 };
+            return self.landing(step, phase, Foot { ankle, turn, pitch: 0.0, toe: 0.0 });
         }
         let rise = (phase - HEEL_OFF) / (TOE_OFF - HEEL_OFF);
         let pitch = TOE_OFF_PITCH * rise.powf(HEEL_RISE);
-        let ankle = self.about_toe(plant, turn, pitch);
+        let ankle = self.about_toe(ankle, turn, pitch);
         Foot { ankle, turn, pitch, toe: -pitch }
+    }
+
+    /// A flat foot, but for its toes coming down after a strike.
+    fn landing(&self, step: Step, phase: f64, flat: Foot) -> Foot {
+        if step.before == step.plant {
+            return flat;
+        }
+        Foot { pitch: STRIKE_PITCH * (1.0 - smoothstep(phase / FLAT)), ..flat }
     }
 
     /// Ankle of a foot planted at `plant` with its heel lifted by `pitch` about the toe joint.
@@ -150,25 +242,27 @@ impl Gait {
     }
 
     /// In the air: from where the toes left the plant to the next one, without a jump in place or speed.
-    fn swinging(&self, plant: DVec3, turn: f64, phase: f64) -> Foot {
+    fn swinging(&self, step: Step, phase: f64) -> Foot {
         /// Additional height of the ankle half way, metres.
         const LIFT: f64 = 0.045;
         /// Share of the swing in which the toes straighten.
         const STRAIGHTENING: f64 = 0.7;
         /// Step of the difference quotient for the ankle's speed at the start, radians.
         const SMALL: f64 = 1e-6;
+        let Plant { ankle: plant, turn } = step.plant;
         let u = (phase - TOE_OFF) / (1.0 - TOE_OFF);
         // Rates are per swing.
         let pitch_rate = HEEL_RISE * TOE_OFF_PITCH * (1.0 - TOE_OFF) / (TOE_OFF - HEEL_OFF);
         let from = self.about_toe(plant, turn, TOE_OFF_PITCH);
         let rate = (from - self.about_toe(plant, turn, TOE_OFF_PITCH - SMALL)) / SMALL * pitch_rate;
-        let to = plant + DVec3::Z * (self.speed * self.period);
+        let to = step.next.ankle;
         let bump = DVec3::Y * (LIFT * self.body.scale * 16.0 * (u * (1.0 - u)).powi(2));
         let ankle = DVec3::new(
             to.x + (from.x - to.x) * (1.0 - smoothstep(u)),
             hermite([from.y, to.y], [rate.y, 0.0], u),
             hermite([from.z, to.z], [rate.z, 0.0], u),
         ) + bump;
+        let turn = turn + (step.next.turn - turn) * smoothstep(u);
         let pitch = hermite([TOE_OFF_PITCH, STRIKE_PITCH], [pitch_rate, 0.0], u);
         let straight = (u / STRAIGHTENING).min(1.0);
         let toe = hermite([-TOE_OFF_PITCH, 0.0], [-pitch_rate * STRAIGHTENING, 0.0], straight);

@@ -10,7 +10,7 @@ mod stand;
 use std::collections::BTreeMap;
 
 use self::body::Body;
-use self::gait::Gait;
+use self::gait::{Gait, HALTING, SETTING_OFF};
 use crate::clip::Clip;
 use crate::index::{SourceFrame, floor_index};
 use crate::skeleton::Pose;
@@ -94,7 +94,7 @@ const STATURE: BuiltinParameter = BuiltinParameter {
 
 const WALK: BuiltinInfo = BuiltinInfo {
     name: "walk",
-    description: "steady walk straight ahead; three whole cycles, of which each ends as it began",
+    description: "walks straight ahead, in cycles that end as they began; sets off and halts on request",
     parameters: &[
         BuiltinParameter {
             name: "speed",
@@ -105,10 +105,24 @@ const WALK: BuiltinInfo = BuiltinInfo {
         },
         BuiltinParameter {
             name: "seconds",
-            description: "length; at the default speed a cycle takes 17/15 s",
+            description: "length, with stop = 1 to the nearest cycle; at the default speed one takes 17/15 s",
             unit: "s",
             default: 3.4,
             range: (0.5, 600.0),
+        },
+        BuiltinParameter {
+            name: "start",
+            description: "1: stands first and sets off; 0: walks from the first frame on",
+            unit: "",
+            default: 0.0,
+            range: (0.0, 1.0),
+        },
+        BuiltinParameter {
+            name: "stop",
+            description: "1: halts at the end and stands; 0: walks to the last frame",
+            unit: "",
+            default: 0.0,
+            range: (0.0, 1.0),
         },
         STATURE,
     ],
@@ -170,7 +184,7 @@ pub fn generate(name: &str, parameters: &BTreeMap<String, f64>) -> Result<Clip, 
     let body = Body::new(values["stature"]);
     let last_frame = floor_index(values["seconds"] * FPS + 0.5);
     Ok(match info.name {
-        "walk" => walk(body, values["speed"], last_frame),
+        "walk" => walk(body, &values),
         "idle" => on_the_spot(info, &body, last_frame, stand::idle),
         _ => {
             let mut clip = on_the_spot(info, &body, last_frame, stand::slap);
@@ -180,10 +194,25 @@ pub fn generate(name: &str, parameters: &BTreeMap<String, f64>) -> Result<Clip, 
     })
 }
 
-fn walk(body: Body, speed: f64, last_frame: usize) -> Clip {
+/// Seconds of standing before a walk sets off, and after it has halted.
+const STANDING: f64 = 0.4;
+
+fn walk(body: Body, values: &BTreeMap<&str, f64>) -> Clip {
     let skeleton = body.skeleton.clone();
-    let gait = Gait::new(body, speed, FPS);
-    let poses: Vec<Pose> = (0..=last_frame).map(|frame| gait.pose(frame as f64 / FPS)).collect();
+    let mut gait = Gait::new(body, values["speed"], FPS);
+    let (starts, stops) = (values["start"] >= 0.5, values["stop"] >= 0.5);
+    // A strike of the left foot falls on a frame.
+    let before = if starts { ((STANDING + 0.5 * SETTING_OFF * gait.period) * FPS).round() / FPS } else { 0.0 };
+    let mut seconds = values["seconds"];
+    if stops {
+        let after = HALTING * gait.period + STANDING;
+        let cycles = ((seconds - before - after) / gait.period).round().max(if starts { 1.0 } else { 0.0 });
+        gait.ends.stop = Some(cycles);
+        seconds = before + cycles * gait.period + after;
+    }
+    gait.ends.start = starts;
+    let last_frame = floor_index(seconds * FPS + 0.5);
+    let poses: Vec<Pose> = (0..=last_frame).map(|frame| gait.pose(frame as f64 / FPS - before)).collect();
     Clip::from_poses(WALK.name, skeleton, FPS, &poses)
 }
 

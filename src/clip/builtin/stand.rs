@@ -14,6 +14,10 @@ const HALF_STANCE: f64 = 0.10;
 const TOES_OUT: f64 = 0.12;
 /// How much lower than with straight legs the pelvis is, metres.
 const KNEES_SOFT: f64 = 0.015;
+/// Lean of the trunk, radians, at the ends of a clip.
+pub(super) const LEAN: f64 = 0.038;
+/// Swing and bend of a hanging arm, radians, at the ends of a clip.
+pub(super) const HANGING_ARM: (f64, f64) = (0.01, 0.22);
 /// Seconds of a breath and of a sway, rounded so that a clip holds whole ones.
 const BREATH: f64 = 3.0;
 
@@ -60,27 +64,43 @@ fn upright(body: &Body, seconds: f64, s: f64, shift: DVec3, chest_turn: f64) -> 
     let breaths = (seconds / BREATH).round().max(1.0);
     let sway = (TAU * breaths * s).sin();
     let breath = (TAU * breaths * s).cos();
-    let place = DVec3::new(0.010 * sway, PELVIS_HEIGHT - KNEES_SOFT, 0.003 * (1.0 - breath));
+    let place = DVec3::new(0.010 * sway, 0.0, 0.003 * (1.0 - breath));
     let trunk = Trunk {
         pelvis_turn: 0.012 * sway,
         pelvis_list: 0.012 * sway,
         chest_turn,
-        lean: 0.03 + 0.008 * breath,
+        lean: LEAN - 0.008 * (1.0 - breath),
     };
-    let mut pose = body.pose(place * body.scale + shift, trunk);
+    let pelvis = DVec3::Y * pelvis_height(body) + place * body.scale + shift;
+    let mut pose = body.pose(pelvis, trunk);
     for side in Side::BOTH {
-        let [collar, ..] = arm_joints(side);
-        pose.rotations[collar] = DQuat::from_rotation_z(-side.sign() * 0.012 * breath);
-        body.hang_arm(&mut pose, side, 0.01 * breath, 0.22);
+        lift_collar(&mut pose, side, breath);
+        body.hang_arm(&mut pose, side, HANGING_ARM.0 * breath, HANGING_ARM.1);
     }
     pose
+}
+
+/// Raises a collar with a breath, from −1 to 1.
+pub(super) fn lift_collar(pose: &mut Pose, side: Side, breath: f64) {
+    let [collar, ..] = arm_joints(side);
+    pose.rotations[collar] = DQuat::from_rotation_z(-side.sign() * 0.012 * breath);
+}
+
+/// Pelvis above the ground, metres.
+pub(super) fn pelvis_height(body: &Body) -> f64 {
+    (PELVIS_HEIGHT - KNEES_SOFT) * body.scale
+}
+
+/// Ankle (metres) and turn (radians) of a standing foot.
+pub(super) fn planted(body: &Body, side: Side) -> (DVec3, f64) {
+    let ankle = DVec3::new(side.sign() * HALF_STANCE, ANKLE_HEIGHT, 0.0) * body.scale;
+    (ankle, side.sign() * TOES_OUT)
 }
 
 /// Puts both feet where they always stand.
 fn plant(body: &Body, pose: &mut Pose) {
     for side in Side::BOTH {
-        let ankle = DVec3::new(side.sign() * HALF_STANCE, ANKLE_HEIGHT, 0.0) * body.scale;
-        let turn = side.sign() * TOES_OUT;
+        let (ankle, turn) = planted(body, side);
         body.place_foot(pose, side, Foot { ankle, turn, pitch: 0.0, toe: 0.0 });
     }
 }

@@ -22,6 +22,9 @@ fn many() -> Vec<Clip> {
     for speed in [0.5, 0.8, 1.5, 1.8] {
         clips.push(made("walk", &[("speed", speed)]));
     }
+    for speed in [0.5, 1.2, 1.8] {
+        clips.push(made("walk", &[("speed", speed), ("start", 1.0), ("stop", 1.0), ("seconds", 5.0)]));
+    }
     for stature in [1.2, 2.2] {
         clips.push(made("walk", &[("stature", stature)]));
         clips.push(made("slap", &[("stature", stature), ("seconds", 2.0)]));
@@ -274,7 +277,7 @@ fn mistakes_name_what_is_known() {
     );
     assert_eq!(
         wrong("walk", "sped", 1.0),
-        "generated clip \"walk\" has no parameter \"sped\"; did you mean \"speed\"? (known: \"speed\", \"seconds\", \"stature\")"
+        "generated clip \"walk\" has no parameter \"sped\"; did you mean \"speed\"? (known: \"speed\", \"seconds\", \"start\", \"stop\", \"stature\")"
     );
     assert_eq!(wrong("walk", "speed", 9.0), "speed = 9 of generated clip \"walk\" is outside 0.5 to 1.8 m/s");
     assert!(wrong("idle", "seconds", f64::NAN).contains("NaN"));
