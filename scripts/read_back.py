@@ -3,14 +3,18 @@
     python read_back.py SCENE RESULT_FOLDER
 
 SCENE is the scene file (TOML), or JSON with the same tables. Of its hard constraints those given as numbers are looked at:
-pins, places and facings relative to characters or resting objects, times, durations and synchronised moments. When a moment
-happens comes from report.json, as does what concerns times only. Where a moment falls on an output frame, places must hold to
-1e-6 m and facings to 1e-4 degrees; where it falls between two, the four frames around it are interpolated, and MID_* below hold.
+pins, places and facings relative to characters or resting objects, times, durations and synchronised moments. What holds as
+before the edit is looked at where both perform one BVH clip each of known unit, whose file is read as well. When a moment
+happens comes from report.json, as does what concerns times only. Where a moment falls on an output frame, places must hold
+to 1e-6 m and facings to 1e-4 degrees; where it falls between two, the four frames around it are interpolated, and the
+tolerances MID_... hold.
 
-Prints a line per check and a summary. Exit code 1 when a check fails, or when there was nothing to check.
+Prints a line per check and a summary. Exit code 1 when a check fails, when there was nothing to check, and when places are
+held but none could be looked at.
 """
 
 import json
+import os
 import re
 import sys
 import tomllib
@@ -27,6 +31,8 @@ MID_PLACE_TOLERANCE = 5e-3
 MID_FACING_TOLERANCE = 0.5
 # A moment this near a frame is on it: a body at 10 m/s moves less than the tolerance meanwhile.
 FRAME_TOLERANCE = 1e-6
+
+METRES = {"m": 1.0, "cm": 0.01, "inch": 0.0254}
 
 # Thigh joints by name, in any of the usual spellings: LeftUpLeg, Character1_LeftUpLeg, lThigh, lfemur, left_hip.
 THIGH = re.compile(r"(?:^|[^a-z])(left|right|l|r)[_. -]?(upleg|upperleg|thigh|femur)$")
@@ -51,15 +57,15 @@ def thighs(names):
 
 
 class Performer:
-    """Positions of root and hips of one character, frame by frame."""
+    """Positions of root and hips in one file, frame by frame, in metres."""
 
-    def __init__(self, path):
+    def __init__(self, path, unit=1.0):
         bvh = pybvh.read_bvh_file(path, world_up="+y")
         joints = bvh.joint_positions()
         left, right = thighs(bvh.joint_names)
         self.fps = 1.0 / bvh.frame_time
         self.frame_count = bvh.frame_count
-        self.track = np.stack([plan(bvh.root_pos), plan(joints[:, left]), plan(joints[:, right])], axis=1)
+        self.track = np.stack([plan(bvh.root_pos), plan(joints[:, left]), plan(joints[:, right])], axis=1) * unit
 
     def stance(self, frame):
         """Place and facing (a unit number) at a frame, which may lie between two."""
@@ -78,12 +84,12 @@ class Performer:
 class ReadBack:
     """Checks of one result and how they went."""
 
-    def __init__(self, scene, folder):
-        self.scene = scene
+    def __init__(self, scene, scene_folder, folder):
+        self.scene, self.scene_folder = scene, scene_folder
         self.report = json.loads((folder / "report.json").read_text())
         self.times = {moment["name"]: moment["time"] for moment in self.report["moments"]}
-        self.passed = self.failed = self.unchecked = 0
-        self.performers = {}
+        self.passed = self.failed = self.unchecked = self.places = 0
+        self.performers, self.sources = {}, {}
         files = [name for name in self.report["files"] if name.endswith(".bvh")]
         for told, name in zip(self.report["characters"], files, strict=True):
             performer = Performer(folder / name)
@@ -117,10 +123,12 @@ class ReadBack:
         return None
 
     def place(self, label, error, on_frame):
+        self.places += 1
         tolerance = PLACE_TOLERANCE if on_frame else MID_PLACE_TOLERANCE
         self.holds(f"{label}, place{'' if on_frame else ' between frames'}", abs(error), tolerance, "m")
 
     def facing(self, label, found, wanted_degrees, on_frame):
+        self.places += 1
         tolerance = FACING_TOLERANCE if on_frame else MID_FACING_TOLERANCE
         error = abs(np.degrees(np.angle(found * np.exp(-1j * np.radians(wanted_degrees)))))
         self.holds(f"{label}, facing{'' if on_frame else ' between frames'}", error, tolerance, "deg")
@@ -139,8 +147,8 @@ class ReadBack:
                 self.facing(label, ahead, pin["facing"], on_frame)
 
     def relative(self, name, relative):
-        offset, facing = relative.get("offset"), relative.get("facing")
-        if self.scene.get("mode") == "paper" or not (is_numbers(offset) or is_number(facing)):
+        if self.scene.get("mode") == "paper":
+            self.leave(f"{name}: offsets of paper mode are others")
             return
         partners = relative["to"] if isinstance(relative["to"], list) else [relative["to"]]
         moments = instants(relative)
@@ -150,11 +158,50 @@ class ReadBack:
             if stance is None or partner is None:
                 self.leave(f"{label}: no frame shows it")
                 continue
+            offset, facing = self.wanted(relative, at, to)
+            if offset is None and facing is None:
+                self.leave(f"{label}: not given in numbers")
             on_frame = stance[2] and partner[2]
-            if is_numbers(offset):
-                self.place(label, (stance[0] - partner[0]) / partner[1] - complex(*offset), on_frame)
-            if is_number(facing):
+            if offset is not None:
+                self.place(label, (stance[0] - partner[0]) / partner[1] - offset, on_frame)
+            if facing is not None:
                 self.facing(label, stance[1] / partner[1], facing, on_frame)
+
+    def wanted(self, relative, at, to):
+        """Offset and facing (degrees) that a relative constraint holds; None for what is free or not known here."""
+        offset, facing = relative.get("offset", "rest"), relative.get("facing", "free")
+        if "rest" in (offset, facing):
+            own, partner = self.rest(at), self.rest(to)
+            known = own is not None and partner is not None
+            if offset == "rest":
+                offset = (own[0] - partner[0]) / partner[1] if known else None
+            if facing == "rest":
+                facing = np.degrees(np.angle(own[1] / partner[1])) if known else None
+        if isinstance(offset, list):
+            offset = complex(*offset)
+        return None if offset == "free" else offset, None if facing == "free" else facing
+
+    def rest(self, moment):
+        """Stance at a moment before the edit, from the source; None unless that is one BVH file of known unit, unplaced."""
+        performer, when = moment.split(":")
+        character = next((c for c in self.scene["character"] if c["name"] == performer.split("/")[0]), None)
+        if character is None or len(character["track"]) != 1 or "position" in character or "facing" in character:
+            return None
+        clip = self.scene["clips"][character["track"][0]]
+        named = {"file", "frames", "unit"} <= set(clip) if isinstance(clip, dict) else False
+        if not named or not clip["file"].endswith(".bvh") or clip.get("up") != "y":
+            return None
+        frames = dict(zip(("start", "end"), clip["frames"])) | clip.get("events", {})
+        frame = frames[when] if when in frames else int(when) if when.isdigit() else None
+        unit = METRES.get(clip["unit"], clip["unit"])
+        return None if frame is None else self.source(clip["file"], unit).stance(frame)
+
+    def source(self, name, unit):
+        if name not in self.sources:
+            inside = name.removeprefix("mocap:")
+            folder = self.scene_folder if inside == name else Path(os.environ["COTILLION_MOCAP"])
+            self.sources[name] = Performer(folder / inside, unit)
+        return self.sources[name]
 
     def partner(self, to):
         """Stance of whom or what a constraint is relative to."""
@@ -181,23 +228,21 @@ class ReadBack:
                 self.holds(f"{name} of {first} and {other}", error, TIME_TOLERANCE, "s")
 
     def run(self):
+        places_held = False
         for kind in ("pin", "relative", "time", "duration", "sync"):
             for index, constraint in enumerate(self.scene.get(kind, [])):
                 if constraint.get("strength") == "hard":
+                    places_held |= kind in ("pin", "relative")
                     getattr(self, kind)(constraint.get("name", f"{kind}[{index}]"), constraint)
+        if places_held and self.places == 0:
+            self.tell(False, "places are held, but none could be looked at")
+        if self.passed + self.failed == 0:
+            self.tell(False, "nothing to check: no hard constraint is given in numbers")
 
 
 def instants(constraint):
     """The moments at which a constraint is looked at: its own, or both ends of its interval."""
     return [constraint["at"]] if "at" in constraint else list(constraint["during"])
-
-
-def is_number(value):
-    return isinstance(value, (int, float)) and not isinstance(value, bool)
-
-
-def is_numbers(value):
-    return isinstance(value, list) and all(map(is_number, value))
 
 
 def main():
@@ -206,10 +251,8 @@ def main():
         return 2
     path, folder = map(Path, sys.argv[1:])
     scene = json.loads(path.read_text()) if path.suffix == ".json" else tomllib.loads(path.read_text())
-    checks = ReadBack(scene, folder)
+    checks = ReadBack(scene, path.parent, folder)
     checks.run()
-    if checks.passed + checks.failed == 0:
-        checks.tell(False, "nothing to check: no hard constraint is given in numbers")
     print(f"{checks.passed} passed, {checks.failed} failed" + (f", {checks.unchecked} left" if checks.unchecked else ""))
     return 1 if checks.failed else 0
 
