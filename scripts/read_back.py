@@ -199,6 +199,8 @@ class ReadBack:
     def source(self, name, unit):
         if name not in self.sources:
             inside = name.removeprefix("mocap:")
+            if inside != name and "COTILLION_MOCAP" not in os.environ:
+                sys.exit(f"{name}: $COTILLION_MOCAP is not set")
             folder = self.scene_folder if inside == name else Path(os.environ["COTILLION_MOCAP"])
             self.sources[name] = Performer(folder / inside, unit)
         return self.sources[name]
