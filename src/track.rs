@@ -353,10 +353,12 @@ fn best_seam(clips: &[Arc<WorkingClip>], entry: usize, start: usize, protected: 
     let admissible = admissible_distance(a, &features_a).max(admissible_distance(b, &features_b));
     let free = |entry: usize| protected.iter().filter(move |frame| frame.entry == entry);
     let window = (a.frame_count() - 1 - range(a), range(b));
-    let held_by = free(entry)
+    let mut held_by: Vec<String> = free(entry)
         .filter(|frame| floor_index(frame.working.ceil()) + 1 > window.0)
         .chain(free(entry + 1).filter(|frame| floor_index(frame.working) <= window.1))
         .map(|frame| frame.moment.clone())
         .collect();
+    held_by.sort_unstable();
+    held_by.dedup();
     Seam { last, first, choice: SeamChoice { entry, distance, admissible, held_by } }
 }

@@ -1,0 +1,102 @@
+//! Every scene of `scenes/` runs, and what it says holds: hard constraints to 1e-9, synchronised moments to 1e-9 s,
+//! finite poses, the same bytes twice. Scenes on real capture are reported as skipped where there is none.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use cotillion::constraint::{ConstraintKind, Strength};
+use cotillion::edit::Editor;
+use cotillion::export::scene::scene_files;
+use cotillion::resample::resample;
+use cotillion::residual::residuals;
+use cotillion::scene::{ClipFolders, Loaded, Scene, load};
+use libtest_mimic::{Arguments, Failed, Trial};
+
+/// Hard constraints hold to this, metres, radians, seconds.
+const HARD: f64 = 1e-9;
+
+fn main() {
+    let mut arguments = Arguments::from_args();
+    arguments.test_threads = Some(1);
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let capture = capture_folder(root);
+    let mut trials = Vec::new();
+    for (folder, needs_capture) in [("scenes", false), ("scenes/capture", true)] {
+        for path in scenes(&root.join(folder)) {
+            let name = format!("{folder}/{}", path.file_name().unwrap_or_default().to_string_lossy());
+            let folders = ClipFolders { mocap: capture.clone() };
+            let skipped = needs_capture && capture.is_none();
+            trials.push(Trial::test(name, move || holds(&path, &folders)).with_ignored_flag(skipped));
+        }
+    }
+    assert!(trials.len() >= 3, "the scenes are found");
+    libtest_mimic::run(&arguments, trials).exit();
+}
+
+/// Real capture: what `$COTILLION_MOCAP` says, else `../shared/mocap`.
+fn capture_folder(root: &Path) -> Option<PathBuf> {
+    let named = std::env::var_os("COTILLION_MOCAP").map(PathBuf::from);
+    named.or_else(|| Some(root.join("../shared/mocap"))).filter(|folder| folder.is_dir())
+}
+
+fn scenes(folder: &Path) -> Vec<PathBuf> {
+    let entries = fs::read_dir(folder).expect("scenes are beside this file").flatten();
+    let mut scenes: Vec<PathBuf> = entries
+        .map(|entry| entry.path())
+        .filter(|path| path.extension().is_some_and(|extension| extension == "toml"))
+        .collect();
+    scenes.sort();
+    scenes
+}
+
+fn holds(path: &Path, folders: &ClipFolders) -> Result<(), Failed> {
+    let text = fs::read_to_string(path)?;
+    if !text.starts_with("# ") || !text.contains("What must hold") {
+        return Err("the first comment says what the scene shows and what must hold".into());
+    }
+    let Loaded { scene, warnings, .. } = load(path, folders).map_err(|faults| faults.to_string())?;
+    if let Some(warning) = warnings.first() {
+        return Err(format!("a scene of ours is free of warnings: {}", warning.message).into());
+    }
+    let files = edited(&scene)?;
+    if files != edited(&scene)? {
+        return Err("two runs give different bytes".into());
+    }
+    Ok(())
+}
+
+/// Edits `scene`, checks its hard constraints, returns its files.
+fn edited(scene: &Scene) -> Result<Vec<(String, Vec<u8>)>, Failed> {
+    let mut editor = Editor::new(scene.clone()).map_err(|error| error.to_string())?;
+    let edit = editor.solve().map_err(|error| error.to_string())?;
+    let mut hard = 0;
+    for (constraint, residual) in scene.constraints.iter().zip(residuals(scene, edit)) {
+        if constraint.strength != Strength::Hard {
+            continue;
+        }
+        hard += 1;
+        let spatial = [residual.position, residual.path_position, residual.facing];
+        for miss in spatial.into_iter().flatten().chain(residual.seconds) {
+            // Written so that NaN is a miss.
+            if !(miss < HARD) {
+                return Err(format!("{} misses by {miss:e}", constraint.name).into());
+            }
+        }
+        let seen = residual.position.is_some() || residual.facing.is_some() || residual.seconds.is_some();
+        if !seen {
+            return Err(format!("{} was not measured", constraint.name).into());
+        }
+    }
+    let syncs = scene.constraints.iter().filter(|c| matches!(c.kind, ConstraintKind::Sync { .. })).count();
+    if hard == 0 || syncs == 0 {
+        return Err("a scene of ours has hard constraints and synchronised moments".into());
+    }
+    let resampled = resample(scene, edit);
+    for clip in &resampled.clips {
+        let finite = clip.root_positions.iter().all(|p| p.is_finite()) && clip.rotations.iter().all(|q| q.is_finite());
+        if !finite {
+            return Err(format!("{} has poses that are not finite", clip.name).into());
+        }
+    }
+    Ok(scene_files(scene, edit, &resampled).into_iter().map(|file| (file.name, file.bytes)).collect())
+}
