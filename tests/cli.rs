@@ -1,0 +1,261 @@
+//! What the program promises at the command line: exit codes, places and remedies of errors, and whole results or none.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+
+use serde_json::Value;
+
+const SOUND: &str = r#"
+title = "Two meet"
+[clips]
+walk = { builtin = "walk", stop = 1 }
+[[character]]
+name = "ann"
+track = ["walk"]
+[[character]]
+name = "bo"
+track = ["walk"]
+position = [3.0, 0.0]
+facing = 180.0
+[[pin]]
+name = "ann arrives"
+at = "ann:end"
+position = [1.0, -4.0]
+strength = "hard"
+"#;
+
+fn cotillion(arguments: &[&str]) -> Output {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_cotillion"));
+    command.args(arguments).env_remove("COTILLION_MOCAP").env("NO_COLOR", "1");
+    command.output().expect("the program starts")
+}
+
+fn stderr(output: &Output) -> String {
+    String::from_utf8_lossy(&output.stderr).into_owned()
+}
+
+fn stdout(output: &Output) -> String {
+    String::from_utf8_lossy(&output.stdout).into_owned()
+}
+
+/// A folder with one scene in it.
+struct Home {
+    folder: tempfile::TempDir,
+}
+
+impl Home {
+    fn with(scene: &str) -> Self {
+        let folder = tempfile::tempdir().expect("a temporary folder");
+        fs::write(folder.path().join("scene.toml"), scene).expect("a scene file");
+        Self { folder }
+    }
+
+    fn path(&self, name: &str) -> PathBuf {
+        self.folder.path().join(name)
+    }
+
+    fn run(&self, more: &[&str]) -> Output {
+        let (scene, result) = (self.path("scene.toml"), self.path("result"));
+        let mut arguments = vec!["run", text(&scene), "-o", text(&result)];
+        arguments.extend(more);
+        cotillion(&arguments)
+    }
+
+    fn names(&self) -> Vec<String> {
+        let mut names: Vec<String> = fs::read_dir(self.folder.path())
+            .expect("readable")
+            .flatten()
+            .map(|entry| entry.file_name().to_string_lossy().into_owned())
+            .collect();
+        names.sort();
+        names
+    }
+}
+
+fn text(path: &Path) -> &str {
+    path.to_str().expect("temporary paths are UTF-8")
+}
+
+#[test]
+fn a_run_writes_motion_picture_and_report() {
+    let home = Home::with(SOUND);
+    let output = home.run(&["--png"]);
+    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    for name in ["ann.bvh", "bo.bvh", "scene.glb", "scene.svg", "scene.png", "report.json"] {
+        assert!(fs::metadata(home.path("result").join(name)).is_ok_and(|file| file.len() > 0), "{name}");
+    }
+    let report: Value =
+        serde_json::from_slice(&fs::read(home.path("result/report.json")).expect("written")).expect("JSON");
+    assert_eq!(report["scene"], "Two meet");
+    assert_eq!(report["constraints"][0]["name"], "ann arrives");
+    assert!(report["constraints"][0]["residual"].as_f64().is_some_and(|miss| miss < 1e-9));
+    for key in ["load", "assemble", "factor", "solve", "discrete", "full_body", "physics", "export"] {
+        assert!(report["timing_ms"][key].is_f64(), "{key}");
+    }
+    for key in ["shape", "scale", "time", "length", "duration", "turn", "total"] {
+        assert!(report["energy"][key].is_f64(), "{key}");
+    }
+    let moment = &report["moments"][0];
+    assert_eq!(moment["name"], "ann:end");
+    assert!(moment["time"].is_f64());
+    let names = fs::read_dir(home.path("result")).expect("readable").count();
+    assert_eq!(names, 6, "no temporary file is left");
+}
+
+#[test]
+fn quiet_says_nothing_and_json_prints_the_report() {
+    let home = Home::with(SOUND);
+    let quiet = home.run(&["--quiet"]);
+    assert_eq!((stdout(&quiet), stderr(&quiet)), (String::new(), String::new()));
+    let output = home.run(&["--json"]);
+    let report: Value = serde_json::from_slice(&output.stdout).expect("JSON and nothing else");
+    assert_eq!(report["characters"][1]["name"], "bo");
+    assert_eq!(stderr(&output), "");
+}
+
+#[test]
+fn contradicting_constraints_end_with_exit_code_1_and_leave_nothing() {
+    let scene = format!(
+        "{SOUND}\n[[pin]]\nname = \"ann stays\"\nat = \"ann:end\"\nposition = [1.3, -4.4]\nstrength = \"hard\"\n"
+    );
+    let home = Home::with(&scene);
+    let output = home.run(&[]);
+    assert_eq!(output.status.code(), Some(1));
+    let said = stderr(&output);
+    for part in ["\"ann arrives\" (line 13)", "\"ann stays\" (line 19)", "0.5", "help: "] {
+        assert!(said.contains(part), "{part} in {said}");
+    }
+    assert_eq!(home.names(), ["scene.toml"]);
+    let output = home.run(&["--json"]);
+    let errors: Value = serde_json::from_slice(&output.stderr).expect("JSON and nothing else");
+    assert_eq!(errors[0]["line"], 19);
+    assert!(errors[0]["message"].as_str().is_some_and(|message| message.contains("ann stays")));
+    assert!(errors[0]["help"].is_string());
+}
+
+#[test]
+fn times_that_the_bounds_forbid_are_explained() {
+    let scene = format!(
+        "{SOUND}\n[[duration]]\nname = \"slow\"\nfrom = \"ann:start\"\nto = \"ann:end\"\nseconds = 60.0\nstrength = \"hard\"\n"
+    );
+    let home = Home::with(&scene);
+    let output = home.run(&[]);
+    assert_eq!(output.status.code(), Some(1));
+    let said = stderr(&output);
+    assert!(said.contains("\"slow\" (line 19)") && said.contains("s are missing"), "{said}");
+    assert_eq!(home.names(), ["scene.toml"]);
+}
+
+#[test]
+fn a_failed_run_leaves_an_earlier_result_as_it_is() {
+    let home = Home::with(SOUND);
+    assert_eq!(home.run(&[]).status.code(), Some(0));
+    let before = fs::read(home.path("result/report.json")).expect("written");
+    fs::write(home.path("scene.toml"), SOUND.replace("stop = 1", "speed = 99.0")).expect("a scene file");
+    assert_eq!(home.run(&[]).status.code(), Some(2));
+    assert_eq!(fs::read(home.path("result/report.json")).expect("still there"), before);
+}
+
+#[test]
+fn a_result_that_cannot_be_written_ends_with_exit_code_2() {
+    let home = Home::with(SOUND);
+    fs::write(home.path("result"), "in the way").expect("a file");
+    let output = home.run(&[]);
+    assert_eq!(output.status.code(), Some(2));
+    assert!(stderr(&output).contains("cannot be written"), "{}", stderr(&output));
+    assert_eq!(home.names(), ["result", "scene.toml"]);
+    assert_eq!(fs::read(home.path("result")).expect("still there"), b"in the way");
+}
+
+#[test]
+fn every_bad_scene_ends_with_exit_code_2_a_place_and_a_remedy() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/bad_scenes");
+    let mut seen = 0;
+    for entry in fs::read_dir(folder).expect("bad scenes are beside this file").flatten() {
+        let path = entry.path();
+        if path.extension().is_none_or(|extension| extension != "toml") {
+            continue;
+        }
+        seen += 1;
+        let checked = cotillion(&["check", "--json", text(&path)]);
+        assert_eq!(checked.status.code(), Some(2), "{}", path.display());
+        let faults: Value = serde_json::from_slice(&checked.stderr).expect("JSON and nothing else");
+        for fault in faults.as_array().expect("an array") {
+            assert!(fault["line"].as_u64().is_some_and(|line| line > 0), "{fault}");
+            assert!(fault["column"].as_u64().is_some_and(|column| column > 0), "{fault}");
+            assert!(fault["message"].is_string() && fault["help"].is_string(), "{fault}");
+        }
+        let home = tempfile::tempdir().expect("a temporary folder");
+        let result = home.path().join("result");
+        let output = cotillion(&["run", text(&path), "-o", text(&result)]);
+        assert_eq!(output.status.code(), Some(2), "{}", path.display());
+        assert!(!result.exists(), "{} left a result", path.display());
+        assert!(stderr(&output).contains("help: "), "{}", stderr(&output));
+    }
+    assert!(seen >= 30, "{seen} kinds of bad scenes");
+}
+
+#[test]
+fn check_reports_on_every_scene() {
+    let (good, bad) = (Home::with(SOUND), Home::with("fps = 0\n"));
+    let (good, bad) = (good.path("scene.toml"), bad.path("scene.toml"));
+    let home = Home::with(SOUND);
+    assert_eq!(cotillion(&["check", text(&home.path("scene.toml"))]).status.code(), Some(0));
+    let output = cotillion(&["check", text(&good), text(&bad), text(Path::new("no such.toml"))]);
+    assert_eq!(output.status.code(), Some(2));
+    assert!(stderr(&output).contains("no such.toml"), "{}", stderr(&output));
+}
+
+#[test]
+fn wrong_usage_ends_with_exit_code_2() {
+    for arguments in [&["run"][..], &["walk"], &["run", "x.toml"], &["check"], &["inspect", "--fps", "0", "x.bvh"]] {
+        assert_eq!(cotillion(arguments).status.code(), Some(2), "{arguments:?}");
+    }
+}
+
+#[test]
+fn inspect_prints_the_documented_keys() {
+    let home = tempfile::tempdir().expect("a temporary folder");
+    let file = home.path().join("walk.bvh");
+    assert_eq!(cotillion(&["clips", "walk", "-o", text(&file)]).status.code(), Some(0));
+    let output = cotillion(&["inspect", "--json", text(&file)]);
+    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    let facts: Value = serde_json::from_slice(&output.stdout).expect("JSON");
+    let keys = [
+        "file", "joints", "frames", "fps", "unit_to_m", "up", "height", "root_path", "seconds", "contacts", "flights",
+        "stationary", "warnings",
+    ];
+    for key in keys {
+        assert!(!facts[0][key].is_null(), "{key}");
+    }
+    assert_eq!(facts[0]["joints"], 21);
+    let missing = cotillion(&["inspect", "--json", text(&file), "no such.bvh"]);
+    assert_eq!(missing.status.code(), Some(2));
+    let errors: Value = serde_json::from_slice(&missing.stderr).expect("JSON");
+    assert_eq!(errors[0]["file"], "no such.bvh");
+}
+
+#[test]
+fn the_schema_is_json_and_knows_every_table() {
+    let output = cotillion(&["schema"]);
+    let schema: Value = serde_json::from_slice(&output.stdout).expect("JSON");
+    for table in ["clips", "character", "object", "pin", "relative", "time", "duration", "sync", "warp"] {
+        assert!(schema["properties"][table].is_object(), "{table}");
+    }
+}
+
+#[test]
+fn results_do_not_depend_on_the_number_of_threads() {
+    let home = Home::with(SOUND);
+    let mut results = Vec::new();
+    for threads in ["1", "2"] {
+        let (scene, result) = (home.path("scene.toml"), home.path(threads));
+        let mut command = Command::new(env!("CARGO_BIN_EXE_cotillion"));
+        command.args(["run", text(&scene), "-o", text(&result), "--quiet"]).env("RAYON_NUM_THREADS", threads);
+        assert!(command.status().expect("the program starts").success());
+        let read = |name: &str| fs::read(result.join(name)).expect("written");
+        results.push(["ann.bvh", "bo.bvh", "scene.glb", "scene.svg"].map(read));
+    }
+    assert!(results[0] == results[1], "the same bytes");
+}
