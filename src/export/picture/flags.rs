@@ -77,10 +77,34 @@ fn draw_flag(sheet: &mut Sheet, axis: &Axis, flag: &Flag) {
     sheet.text([flag.span.0, top + 8.5], style, &flag.name);
 }
 
-/// Dots on the rows, joined where there are several; a fixed time has a ring.
-fn draw_tie(sheet: &mut Sheet, axis: &Axis, tie: &Tie, count: usize) {
+/// Where poles and connectors cross an actor's row, px, rising.
+pub(super) fn crossings(picture: &Picture, axis: &Axis, row: usize) -> Vec<f64> {
+    let count = picture.actors.len();
+    let mut crossings: Vec<f64> = Vec::new();
+    for tie in &picture.ties {
+        let points = sorted(tie, count);
+        let pole = points.first().filter(|(actor, _)| row <= *actor);
+        crossings.extend(pole.map(|(_, time)| axis.x(*time)));
+        crossings.extend(points.iter().filter(|(actor, _)| *actor == row).map(|(_, time)| axis.x(*time)));
+        for pair in points.windows(2).filter(|pair| pair[0].0 < row && row < pair[1].0) {
+            let share = (row - pair[0].0) as f64 / (pair[1].0 - pair[0].0) as f64;
+            crossings.push(axis.x(pair[0].1 + share * (pair[1].1 - pair[0].1)));
+        }
+    }
+    crossings.sort_by(f64::total_cmp);
+    crossings
+}
+
+/// Points of a tie from the highest row down.
+fn sorted(tie: &Tie, count: usize) -> Vec<(usize, f64)> {
     let mut points: Vec<(usize, f64)> = drawable(tie, count).collect();
     points.sort_by(|a, b| a.0.cmp(&b.0).then(a.1.total_cmp(&b.1)));
+    points
+}
+
+/// Dots on the rows, joined where there are several; a fixed time has a ring.
+fn draw_tie(sheet: &mut Sheet, axis: &Axis, tie: &Tie, count: usize) {
+    let points = sorted(tie, count);
     let places: Vec<Point> = points.iter().map(|(actor, time)| [axis.x(*time), axis.y(*actor)]).collect();
     let radius = (axis.row * 0.14).clamp(1.0, 3.2);
     sheet.open("", &tie.name);

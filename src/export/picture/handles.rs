@@ -31,7 +31,11 @@ pub(super) fn draw_handles(
         if let Some(partner) = partner.map(|point| view.place(point)) {
             draw_pair(sheet, [at, partner], handle.hard);
             [at, partner].into_iter().for_each(|end| labels.reserve(end, 3.0));
-            names.push(([(at[0] + partner[0]) / 2.0, (at[1] + partner[1]) / 2.0], handle.name.clone()));
+            let between = |s: f64| [at[0] + s * (partner[0] - at[0]), at[1] + s * (partner[1] - at[1])];
+            labels.ink.extend((1..30).map(|k| between(f64::from(k) / 30.0)));
+            if names.iter().all(|(_, name)| *name != handle.name) {
+                names.push((between(0.5), handle.name.clone()));
+            }
         } else {
             let target = handle.target.filter(|target| is_drawable(*target)).map(|target| view.place(target));
             draw_pin(sheet, handle, at, target);

@@ -34,7 +34,7 @@ fn entries(picture: &Picture) -> Vec<Entry> {
         ("path before the edit", actors, |sheet, at| {
             stroke(sheet, at, r##"stroke="#9aa1a9" stroke-width="1" stroke-dasharray="4 3""##);
         }),
-        ("path after it", actors, |sheet, at| stroke(sheet, at, r##"stroke="#566" stroke-width="2.2""##)),
+        ("path after the edit", actors, |sheet, at| stroke(sheet, at, r##"stroke="#566" stroke-width="2.2""##)),
         ("start and end", actors, draw_ends),
         ("facing, every 0.5 s", actors, draw_ticks),
         ("pin, hard", pin(true), |sheet, at| draw_pin(sheet, at, INK)),

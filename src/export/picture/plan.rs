@@ -1,5 +1,7 @@
 //! The scene from above: grid, objects, paths.
 
+use std::f64::consts::PI;
+
 use super::axis::{mark_label, marks, round_step};
 use super::handles::draw_handles;
 use super::labels::Labels;
@@ -119,11 +121,19 @@ fn draw_edited(sheet: &mut Sheet, view: &View, (index, actor): (usize, &Actor), 
     let stroke = tinted(colour(index), 0.0);
     sheet.open(&format!(r#"stroke="{stroke}" stroke-linecap="round" stroke-linejoin="round""#), actor.name);
     sheet.polyline(&view.path(actor.edited, 0.5), &format!(r#"stroke-width="{pen}""#));
-    let length = 4.0 + 2.5 * pen;
+    let dark = tinted(shaded(index), 0.0);
+    let (length, width) = (3.0 + 2.8 * pen, pen * 0.55);
     for (from, heading) in facing_ticks(view, actor) {
-        sheet.line(from, towards(from, heading, length), r#"stroke-width="1""#);
+        let to = towards(from, heading, length);
+        sheet.line(from, to, &format!(r#"stroke="{dark}" stroke-width="{width:.2}""#));
+        sheet.circle(from, pen * 0.8, &format!(r#"fill="{dark}" stroke="none""#));
     }
     sheet.close();
+}
+
+/// An actor's colour, dark enough for text and thin lines.
+pub(super) fn shaded(index: usize) -> [u8; 3] {
+    colour(index).map(|channel| channel / 3 * 2)
 }
 
 /// Place and facing at every half second, without ticks that would hide each other.
@@ -161,8 +171,8 @@ fn draw_ends(sheet: &mut Sheet, view: &View, (index, actor): (usize, &Actor), pe
         || actor.headings.last().copied().filter(|heading| heading.is_finite()).unwrap_or(0.0),
         |before| (before[1] - last[1]).atan2(last[0] - before[0]),
     );
-    let wings = [2.6, -2.6].map(|turn| towards(*last, heading + turn, size * 0.8));
-    sheet.polygon(&[towards(*last, heading, size), wings[0], wings[1]], &rim);
+    let wings = [0.42, -0.42].map(|turn| towards(*last, heading + PI + turn, size * 1.7));
+    sheet.polygon(&[*last, wings[0], wings[1]], &rim);
     sheet.circle(*first, 1.6 + pen, &rim);
 }
 
@@ -189,7 +199,7 @@ fn write_names(sheet: &mut Sheet, view: &View, picture: &Picture, labels: &mut L
     let size = if count <= 12 { 13.0 } else { 11.0 };
     for (index, actor) in picture.actors.iter().enumerate().step_by(count.div_ceil(NAMED).max(1)) {
         let Some(start) = actor.edited.iter().copied().find(|point| is_drawable(*point)) else { continue };
-        let colour = tinted(colour(index).map(|channel| channel / 5 * 4), 0.0);
+        let colour = tinted(shaded(index), 0.0);
         let style = TextStyle { size, colour: &colour, anchor: "middle", halo: true };
         labels.write(sheet, view.place(start), (actor.name, style), most);
     }

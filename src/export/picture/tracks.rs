@@ -2,12 +2,15 @@
 
 use super::axis::{mark_label, marks, round_step};
 use super::flags::{self, draw_flags};
+use super::plan::shaded;
 use super::svg::{GREY, INK, Rect, Sheet, TextStyle, clipped, text_width, tinted};
 use super::{Actor, Picture};
 use crate::export::palette::colour;
 
 /// Widest column of names, px.
 const WIDEST_NAME: f64 = 130.0;
+/// Narrowest column of names, as wide as the labels left of the plan, px.
+const LEAST_COLUMN: f64 = 38.0;
 /// Least distance between time marks, px.
 const MARK_SPACING: f64 = 55.0;
 /// Font size of names and clips, px.
@@ -50,6 +53,9 @@ pub(super) fn draw_tracks(sheet: &mut Sheet, picture: &Picture, place: Rect) -> 
         draw_row(sheet, &axis, (index, actor));
     }
     draw_flags(sheet, &axis, picture);
+    for (index, actor) in picture.actors.iter().enumerate().filter(|_| axis.row >= 15.0) {
+        draw_clip_names(sheet, &axis, (index, actor), &flags::crossings(picture, &axis, index));
+    }
     sheet.close();
     axis.rows.y + axis.rows.h + 20.0
 }
@@ -72,7 +78,7 @@ fn axis_of(picture: &Picture, place: Rect) -> Axis {
         _ => (400.0 / count as f64).max(2.0),
     };
     let widest = picture.actors.iter().map(|actor| text_width(actor.name, SIZE)).fold(24.0, f64::max);
-    let names = widest.min(WIDEST_NAME) + 10.0;
+    let names = (widest.min(WIDEST_NAME) + 10.0).max(LEAST_COLUMN);
     let rows = Rect {
         x: place.x + names,
         y: place.y,
@@ -99,7 +105,7 @@ fn draw_axis(sheet: &mut Sheet, axis: &Axis) {
 fn draw_names(sheet: &mut Sheet, axis: &Axis, picture: &Picture) {
     let every = (1..).find(|every| f64::from(*every) * axis.row >= 12.0).unwrap_or(1);
     for (index, actor) in picture.actors.iter().enumerate().step_by(usize::try_from(every).unwrap_or(1)) {
-        let colour = tinted(colour(index).map(|channel| channel / 5 * 4), 0.0);
+        let colour = tinted(shaded(index), 0.0);
         let style = TextStyle { size: SIZE, colour: &colour, anchor: "end", halo: false };
         let name = clipped(actor.name, SIZE, WIDEST_NAME);
         sheet.text([axis.rows.x - 8.0, axis.y(index) + SIZE * 0.34], style, &name);
@@ -130,9 +136,6 @@ fn draw_row(sheet: &mut Sheet, axis: &Axis, (index, actor): (usize, &Actor)) {
         let rect = Rect { y: whole.y + whole.h - h, h, ..whole };
         sheet.rect(rect, &format!(r#"fill="{stripe}""#));
     }
-    if axis.row >= 15.0 {
-        draw_clip_names(sheet, axis, (index, actor));
-    }
     sheet.close();
 }
 
@@ -143,14 +146,22 @@ fn span(axis: &Axis, actor: &Actor, (first, last): (usize, usize)) -> Option<(f6
     (from.is_finite() && to.is_finite() && first <= last).then(|| (axis.x(*from), axis.x(*to)))
 }
 
-fn draw_clip_names(sheet: &mut Sheet, axis: &Axis, (index, actor): (usize, &Actor)) {
+/// Names of clips in their bars, right of the lines that would cross them; `crossings` rises.
+fn draw_clip_names(sheet: &mut Sheet, axis: &Axis, (index, actor): (usize, &Actor), crossings: &[f64]) {
     let size = if axis.row > 20.0 { 10.5 } else { 9.5 };
     for (label, first, last) in &actor.clips {
         let Some((from, to)) = span(axis, actor, (*first, *last)) else { continue };
-        let shown = clipped(label, size, to - from - 9.0);
+        let width = text_width(label, size);
+        let mut left = from + 5.0;
+        for crossing in crossings {
+            if left - 5.0 < *crossing && *crossing < left + width && *crossing < to {
+                left = crossing + 6.0;
+            }
+        }
+        let shown = clipped(label, size, to - left - 4.0);
         let style = TextStyle { size, colour: INK, anchor: "start", halo: false };
         if !shown.is_empty() {
-            sheet.text([from + 5.0, axis.y(index) + size * 0.28], style, &shown);
+            sheet.text([left, axis.y(index) + size * 0.28], style, &shown);
         }
     }
 }
