@@ -24,7 +24,8 @@ pub(super) fn mark_label(mark: f64, step: f64) -> String {
     let text = if mark.abs() >= 1e6 {
         format!("{mark:e}")
     } else {
-        let decimals = (1..12).find(|decimals| step * 10f64.powi(*decimals) >= 10.0 * (1.0 - 1e-9)).unwrap_or(12) - 1;
+        let decimals =
+            (1..12).find(|decimals| step * 10f64.powi(*decimals) >= 10.0 * (1.0 - 1e-9)).unwrap_or(12) - 1;
         format!("{:.*}", usize::try_from(decimals).unwrap_or(0), if mark == 0.0 { 0.0 } else { mark })
     };
     text.replace('-', "−")

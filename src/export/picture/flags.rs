@@ -34,9 +34,10 @@ pub(super) fn room(picture: &Picture) -> f64 {
     let times = || picture.ties.iter().filter_map(|tie| start_of(tie, picture.actors.len()));
     let last = picture.actors.iter().flat_map(|actor| actor.times).copied().fold(0.0, f64::max);
     let last = times().map(|(_, time)| time).fold(last, f64::max);
-    let late = picture.ties.iter().filter(|tie| {
-        start_of(tie, picture.actors.len()).is_some_and(|(_, time)| time > 0.9 * last)
-    });
+    let late = picture
+        .ties
+        .iter()
+        .filter(|tie| start_of(tie, picture.actors.len()).is_some_and(|(_, time)| time > 0.9 * last));
     late.map(|tie| FLAG + text_width(&tie.name, SIZE).min(WIDEST)).fold(MARGIN, f64::max).min(110.0)
 }
 

@@ -31,13 +31,23 @@ impl Labels {
         self.symbols.push(Rect { x: x - radius, y: y - radius, w: 2.0 * radius, h: 2.0 * radius });
     }
 
-    /// Writes a name near its point, where it hides least; not at all where that costs more than `most`.
-    pub(super) fn write(&mut self, sheet: &mut Sheet, at: Point, (name, style): (&str, TextStyle), most: f64) {
+    /// Writes a name on or near its point, where it hides least; not at all where that costs more than `most`.
+    pub(super) fn write(
+        &mut self,
+        sheet: &mut Sheet,
+        at: Point,
+        (name, style): (&str, TextStyle),
+        most: f64,
+    ) {
         let size = [text_width(name, style.size) + 4.0, style.size * 1.2];
         let places = DISTANCES.into_iter().flat_map(|distance| {
-            (0..DIRECTIONS).map(move |k| beside(at, size, f64::from(k) * TAU / f64::from(DIRECTIONS), distance))
+            (0..DIRECTIONS)
+                .map(move |k| beside(at, size, f64::from(k) * TAU / f64::from(DIRECTIONS), distance))
         });
-        let priced = places.map(|(rect, distance)| (self.cost(&rect) + distance, distance, rect));
+        let middle = Rect { x: at[0] - size[0] / 2.0, y: at[1] - size[1] / 2.0, w: size[0], h: size[1] };
+        let priced = std::iter::once((middle, 0.0))
+            .chain(places)
+            .map(|(rect, distance)| (self.cost(&rect) + distance, distance, rect));
         let best = priced.min_by(|a, b| a.0.total_cmp(&b.0));
         let Some((_, distance, rect)) = best.filter(|(cost, ..)| *cost <= most) else { return };
         if distance >= LEADER {

@@ -26,15 +26,19 @@ pub(super) fn draw_legend(sheet: &mut Sheet, corner: Point, picture: &Picture) {
 
 fn entries(picture: &Picture) -> Vec<Entry> {
     let actors = !picture.actors.is_empty();
-    let pin = |hard: bool| picture.handles.iter().any(|handle| handle.target.is_some() && handle.hard == hard);
+    let pin =
+        |hard: bool| picture.handles.iter().any(|handle| handle.target.is_some() && handle.hard == hard);
     let ring = picture.handles.iter().any(|handle| handle.target.is_none() && handle.partner.is_none());
-    let pair = picture.handles.iter().any(|handle| handle.partner.is_some());
+    let pair =
+        |hard: bool| picture.handles.iter().any(|handle| handle.partner.is_some() && handle.hard == hard);
     let still = picture.actors.iter().any(|actor| !actor.stationary.is_empty());
     vec![
         ("path before the edit", actors, |sheet, at| {
             stroke(sheet, at, r##"stroke="#9aa1a9" stroke-width="1" stroke-dasharray="4 3""##);
         }),
-        ("path after the edit", actors, |sheet, at| stroke(sheet, at, r##"stroke="#566" stroke-width="2.2""##)),
+        ("path after the edit", actors, |sheet, at| {
+            stroke(sheet, at, r##"stroke="#566" stroke-width="2.2""##)
+        }),
         ("start and end", actors, draw_ends),
         ("facing, every 0.5 s", actors, draw_ticks),
         ("pin, hard", pin(true), |sheet, at| draw_pin(sheet, at, INK)),
@@ -43,7 +47,8 @@ fn entries(picture: &Picture) -> Vec<Entry> {
             sheet.circle(at, 5.0, &format!(r#"fill="none" stroke="{INK}" stroke-width="1.3""#));
             sheet.line(at, [at[0] + 12.0, at[1]], &format!(r#"stroke="{INK}" stroke-width="1.3""#));
         }),
-        ("relative placement", pair, draw_pair),
+        ("relative, hard", pair(true), |sheet, at| draw_pair(sheet, at, INK)),
+        ("relative, soft", pair(false), |sheet, at| draw_pair(sheet, at, "#ffffff")),
         ("object, its front", !picture.objects.is_empty(), draw_object),
         ("stationary", still, draw_stationary),
         ("same moment", picture.ties.iter().any(|tie| !tie.pinned), draw_tie),
@@ -64,7 +69,8 @@ fn draw_ends(sheet: &mut Sheet, [x, y]: Point) {
 fn draw_ticks(sheet: &mut Sheet, [x, y]: Point) {
     stroke(sheet, [x, y + 3.0], r##"stroke="#566" stroke-width="2.2""##);
     for left in [-8.0, 0.0, 8.0] {
-        sheet.line([x + left, y + 3.0], [x + left + 2.0, y - 6.0], r##"stroke="#566" stroke-width="1""##);
+        sheet.circle([x + left, y + 3.0], 1.8, r##"fill="#233""##);
+        sheet.line([x + left, y + 3.0], [x + left + 2.0, y - 6.0], r##"stroke="#233" stroke-width="1.2""##);
     }
 }
 
@@ -75,10 +81,10 @@ fn draw_pin(sheet: &mut Sheet, [x, y]: Point, fill: &str) {
     sheet.rect(square, &format!(r#"fill="{fill}" {pen}"#));
 }
 
-fn draw_pair(sheet: &mut Sheet, [x, y]: Point) {
+fn draw_pair(sheet: &mut Sheet, [x, y]: Point, fill: &str) {
     sheet.line([x - 9.0, y], [x + 9.0, y], &format!(r#"stroke="{INK}" stroke-width="1.5""#));
     for end in [x - 9.0, x + 9.0] {
-        sheet.circle([end, y], 2.6, &format!(r#"fill="{INK}""#));
+        sheet.circle([end, y], 2.6, &format!(r#"fill="{fill}" stroke="{INK}" stroke-width="1""#));
     }
 }
 

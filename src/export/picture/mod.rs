@@ -137,10 +137,8 @@ fn document(title: &str, body: &str, (height, frame): (f64, Rect)) -> String {
     let size = format!(r#"width="{width}" height="{height}" viewBox="0 0 {width} {height}""#);
     let _ = writeln!(out, r#"<svg xmlns="http://www.w3.org/2000/svg" {size} font-family="{FONTS}">"#);
     let _ = writeln!(out, "{}", title_of(title));
-    let _ = writeln!(
-        out,
-        r#"<clipPath id="frame"><rect x="{x}" y="{y}" width="{w}" height="{h}"/></clipPath>"#
-    );
+    let _ =
+        writeln!(out, r#"<clipPath id="frame"><rect x="{x}" y="{y}" width="{w}" height="{h}"/></clipPath>"#);
     let _ = writeln!(out, r##"<rect width="{width}" height="{height}" fill="#ffffff"/>"##);
     out.push_str(body);
     out.push_str("</svg>\n");

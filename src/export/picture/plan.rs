@@ -102,17 +102,17 @@ fn draw_object(sheet: &mut Sheet, view: &View, (name, corners): (&str, [c64; 4])
     sheet.polygon(&corners.map(|corner| view.place(corner)), pen);
     let (front, depth) = ((front_left + front_right) / 2.0, front_right - back_right);
     let half = (front_left - front_right) / 2.0;
-    let size = half.norm().min(depth.norm() / 2.0).min(9.0 / view.scale);
+    let size = half.norm().min(depth.norm() / 2.0).min(12.0 / view.scale);
     let unit = |along: c64| if along.norm() > 0.0 { along / along.norm() } else { along };
     let back = front - unit(depth) * size;
-    let wedge = [front, back + unit(half) * size * 0.7, back - unit(half) * size * 0.7];
+    let wedge = [front, back + unit(half) * size * 0.5, back - unit(half) * size * 0.5];
     sheet.polygon(&wedge.map(|corner| view.place(corner)), r##"fill="#8d8470""##);
     sheet.close();
 }
 
 fn draw_rest(sheet: &mut Sheet, view: &View, (index, actor): (usize, &Actor)) {
     let points = view.path(actor.rest, 0.7);
-    let stroke = tinted(colour(index), 0.55);
+    let stroke = tinted(colour(index), 0.5);
     sheet.polyline(&points, &format!(r#"stroke="{stroke}" stroke-width="1" stroke-dasharray="4 3""#));
 }
 
@@ -150,8 +150,7 @@ fn facing_ticks(view: &View, actor: &Actor) -> Vec<(Point, f64)> {
         }
         let share = ((half_second(pair[1]) * TICK_EVERY - pair[0]) / (pair[1] - pair[0])).clamp(0.0, 1.0);
         let from = view.place(path::at(actor.edited, frame as f64 + share));
-        let hidden =
-            |other: &(Point, f64)| distance(other.0, from) < 2.5 && (other.1 - heading).cos() > 0.98;
+        let hidden = |other: &(Point, f64)| distance(other.0, from) < 2.5 && (other.1 - heading).cos() > 0.98;
         if from.iter().all(|x| x.is_finite()) && !ticks.iter().any(hidden) {
             ticks.push((from, *heading));
         }
@@ -172,7 +171,7 @@ fn draw_ends(sheet: &mut Sheet, view: &View, (index, actor): (usize, &Actor), pe
         |before| (before[1] - last[1]).atan2(last[0] - before[0]),
     );
     let wings = [0.42, -0.42].map(|turn| towards(*last, heading + PI + turn, size * 1.7));
-    sheet.polygon(&[*last, wings[0], wings[1]], &rim);
+    sheet.polygon(&[towards(*last, heading, pen), wings[0], wings[1]], &rim);
     sheet.circle(*first, 1.6 + pen, &rim);
 }
 

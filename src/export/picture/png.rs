@@ -26,11 +26,8 @@ pub enum PictureError {
         height: u32,
     },
     /// The pixels could not be written as PNG.
-    #[error("the pixels do not become a PNG: {cause}")]
-    Encode {
-        /// What the encoder says.
-        cause: String,
-    },
+    #[error("the pixels do not become a PNG")]
+    Encode(#[source] Box<dyn std::error::Error + Send + Sync>),
 }
 
 /// PNG of an SVG, `width` pixels wide, on white. Texts are drawn with strokes of our own: the same on every machine, with
@@ -42,12 +39,17 @@ pub fn to_png(svg: &str, width: u32) -> Result<Vec<u8>, PictureError> {
     let tree = Tree::from_str(&without_text(svg)?, &Options::default())?;
     let scale = f64::from(width) / f64::from(tree.size().width());
     let height = pixels(f64::from(tree.size().height()) * scale);
-    let mut pixmap = Pixmap::new(width, height).ok_or(PictureError::Size { width, height })?;
+    let fits = u64::from(width) * u64::from(height) <= MOST_PIXELS;
+    let pixmap = if fits { Pixmap::new(width, height) } else { None };
+    let mut pixmap = pixmap.ok_or(PictureError::Size { width, height })?;
     pixmap.fill(Color::WHITE);
     let scale = width as f32 / tree.size().width();
     resvg::render(&tree, Transform::from_scale(scale, scale), &mut pixmap.as_mut());
-    pixmap.encode_png().map_err(|error| PictureError::Encode { cause: error.to_string() })
+    pixmap.encode_png().map_err(|error| PictureError::Encode(Box::new(error)))
 }
+
+/// Largest picture, pixels; each takes four bytes.
+const MOST_PIXELS: u64 = 250_000_000;
 
 /// Whole pixels, one at least.
 #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "casts of floats saturate")]
@@ -60,7 +62,9 @@ fn without_text(svg: &str) -> Result<String, PictureError> {
     let document = Document::parse(svg)?;
     let mut drawn = String::with_capacity(svg.len() * 2);
     let mut done = 0;
-    for text in document.descendants().filter(|node| node.has_tag_name(("http://www.w3.org/2000/svg", "text"))) {
+    for text in
+        document.descendants().filter(|node| node.has_tag_name(("http://www.w3.org/2000/svg", "text")))
+    {
         drawn.push_str(&svg[done..text.range().start]);
         drawn.push_str(&strokes(text));
         done = text.range().end;

@@ -40,17 +40,22 @@ fn picture<'a>(motions: &'a [Motion], names: &'a [String]) -> Picture<'a> {
         clips: vec![("walk <fast>".to_owned(), 0, motion.times.len() / 2), ("stand".to_owned(), 50, 99)],
         stationary: vec![(60, 90)],
     });
-    let handle = |actor, frame, partner| Handle {
+    let handle = |actor, frame, partner: Option<(usize, f64)>| Handle {
         actor,
         frame,
-        target: Some(c64::new(1.0, -2.0)).filter(|_| partner == None),
+        target: Some(c64::new(1.0, -2.0)).filter(|_| partner.is_none()),
         facing: Some(0.5),
         hard: actor == 0,
         name: format!("hold & keep {actor}"),
         partner,
     };
     let tie = |pinned| Tie { points: vec![(1, 2.5), (0, 2.0)], name: "at \"once\"".to_owned(), pinned };
-    let object = PictureObject { name: "tea < table", size: [1.5, 0.8, 0.7], position: c64::new(0.5, 0.2), facing: 0.4 };
+    let object = PictureObject {
+        name: "tea < table",
+        size: [1.5, 0.8, 0.7],
+        position: c64::new(0.5, 0.2),
+        facing: 0.4,
+    };
     Picture {
         title: "Tea & <cake>",
         actors: actors.collect(),
@@ -77,7 +82,12 @@ fn every_name_is_there_and_escaped() {
         let (motions, names) = (motions(count, 120), names(count));
         let svg = to_svg(&picture(&motions, &names));
         check(&svg).expect("a picture");
-        for name in names.iter().map(String::as_str).chain(["Tea & <cake>", "tea < table", "hold & keep 0", "at \"once\""]) {
+        for name in names.iter().map(String::as_str).chain([
+            "Tea & <cake>",
+            "tea < table",
+            "hold & keep 0",
+            "at \"once\"",
+        ]) {
             assert!(svg.contains(&svg::escaped(name)), "{name}");
             assert!(!svg.contains(name), "{name} is not escaped");
         }
@@ -151,7 +161,8 @@ fn text_needs_no_font() {
     };
     assert_eq!(text(" "), 0);
     assert!(text("Hello 42 &amp; é") > 300);
-    let blank: Vec<char> = ('!'..='~').filter(|letter| text(&svg::escaped(&letter.to_string())) == 0).collect();
+    let blank: Vec<char> =
+        ('!'..='~').filter(|letter| text(&svg::escaped(&letter.to_string())) == 0).collect();
     assert!(blank.is_empty(), "{blank:?}");
 }
 
@@ -159,6 +170,7 @@ fn text_needs_no_font() {
 fn a_png_without_pixels_is_refused() {
     let svg = to_svg(&Picture::default());
     assert!(matches!(to_png(&svg, 0), Err(PictureError::Size { width: 0, .. })));
+    assert!(matches!(to_png(&svg, u32::MAX), Err(PictureError::Size { .. })));
     assert!(matches!(to_png("no picture", 100), Err(PictureError::Xml(_))));
     assert!(matches!(to_png("<p/>", 100), Err(PictureError::Svg(_))));
 }
