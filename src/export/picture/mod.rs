@@ -1,45 +1,149 @@
-//! To come.
-#![allow(missing_docs)]
+//! The picture of an edited scene: its paths from above, its time tracks below, as SVG and PNG.
+
+use std::fmt::Write as _;
+
 use crate::geometry::c64;
+
+mod axis;
+mod flags;
+mod handles;
+mod labels;
+mod legend;
+mod plan;
+mod png;
+mod stroke_font;
+mod svg;
+mod tracks;
+mod view;
+
+pub use png::{PictureError, to_png};
+
+use legend::draw_legend;
+use plan::draw_plan;
+use svg::{INK, Rect, Sheet, TextStyle, clipped, number, title_of};
+use tracks::draw_tracks;
+use view::View;
+
+/// An edited scene as it is drawn.
+#[derive(Clone, Debug, Default)]
 pub struct Picture<'a> {
+    /// Title of the scene.
     pub title: &'a str,
+    /// Who moves, in the order of their rows and colours.
     pub actors: Vec<Actor<'a>>,
+    /// What stands around.
     pub objects: Vec<PictureObject<'a>>,
+    /// Constraints on places and facings.
     pub handles: Vec<Handle>,
+    /// Constraints on times.
     pub ties: Vec<Tie>,
 }
+
+/// An object of the scene, a box on the ground.
+#[derive(Clone, Debug)]
 pub struct PictureObject<'a> {
+    /// Its name.
     pub name: &'a str,
+    /// Length ahead, height, width across, metres.
     pub size: [f64; 3],
+    /// Middle of its base, plan metres.
     pub position: c64,
+    /// Where its front looks, radians.
     pub facing: f64,
 }
+
+/// One character before and after the edit; frame by frame, 30 a second of rest time.
+#[derive(Clone, Debug)]
 pub struct Actor<'a> {
+    /// Its name.
     pub name: &'a str,
+    /// Path before the edit, plan metres.
     pub rest: &'a [c64],
+    /// Path after the edit, plan metres.
     pub edited: &'a [c64],
+    /// Facing of each edited frame, radians.
     pub headings: &'a [f64],
+    /// Scene time of each edited frame, seconds, rising.
     pub times: &'a [f64],
+    /// Label, first and last frame of each clip.
     pub clips: Vec<(String, usize, usize)>,
+    /// First and last frame of each stationary stretch.
     pub stationary: Vec<(usize, usize)>,
 }
+
+/// A constraint on a place or a facing.
+#[derive(Clone, Debug)]
 pub struct Handle {
+    /// Position of the actor in [`Picture::actors`].
     pub actor: usize,
+    /// Fractional frame of the actor it holds.
     pub frame: f64,
+    /// Where it shall be, plan metres.
     pub target: Option<c64>,
+    /// Where it shall look, radians.
     pub facing: Option<f64>,
+    /// Holds exactly; otherwise as nearly as can be.
     pub hard: bool,
+    /// Name of the constraint.
     pub name: String,
+    /// For placements relative to another actor: that actor and its fractional frame.
     pub partner: Option<(usize, f64)>,
 }
+
+/// A constraint on times.
+#[derive(Clone, Debug)]
 pub struct Tie {
+    /// Actor and scene time, seconds, of each moment.
     pub points: Vec<(usize, f64)>,
+    /// Name of the constraint.
     pub name: String,
+    /// The time is given; otherwise the moments are tied to each other.
     pub pinned: bool,
 }
-pub fn to_svg(_: &Picture) -> String {
-    String::new()
+
+/// Width of the sheet, px.
+const WIDTH: f64 = 1000.0;
+/// Left and right edges of the plan's frame, px; the legend stands right of it.
+const PLAN: (f64, f64) = (56.0, 830.0);
+/// Upper edge of the plan's frame, px.
+const TOP: f64 = 52.0;
+/// Around everything, px.
+const MARGIN: f64 = 18.0;
+/// Families for all text; what is there first counts.
+const FONTS: &str = "Helvetica, Arial, Liberation Sans, DejaVu Sans, sans-serif";
+
+/// SVG of an edited scene, 1000 px wide: the plan with a metric grid, a legend, time tracks.
+///
+/// Equal pictures give equal text. Coordinates that are not finite are left out; names of constraints, and names that
+/// find no room, are there as `<title>` of what they name.
+pub fn to_svg(picture: &Picture) -> String {
+    let mut sheet = Sheet::default();
+    let view = View::fit(picture, [PLAN.0, TOP], PLAN.1 - PLAN.0);
+    let style = TextStyle { size: 19.0, colour: INK, anchor: "start", halo: false };
+    sheet.text([PLAN.0, TOP - 17.0], style, &clipped(picture.title, style.size, WIDTH - PLAN.0 - MARGIN));
+    draw_plan(&mut sheet, &view, picture);
+    draw_legend(&mut sheet, [PLAN.1 + 16.0, TOP], picture);
+    let top = view.frame.y + view.frame.h + 34.0;
+    let place = Rect { x: MARGIN, y: top, w: WIDTH - 2.0 * MARGIN, h: 0.0 };
+    let height = draw_tracks(&mut sheet, picture, place) + MARGIN;
+    document(picture.title, &sheet.body, (height, view.frame))
 }
-pub fn to_png(_: &str, _: u32) -> Result<Vec<u8>, std::fmt::Error> {
-    Err(std::fmt::Error)
+
+/// The whole file around the elements.
+fn document(title: &str, body: &str, (height, frame): (f64, Rect)) -> String {
+    let (width, height) = (number(WIDTH), number(height));
+    let [x, y, w, h] = [frame.x, frame.y, frame.w, frame.h].map(number);
+    let mut out = String::with_capacity(body.len() + 1000);
+    let size = format!(r#"width="{width}" height="{height}" viewBox="0 0 {width} {height}""#);
+    let _ = writeln!(out, r#"<svg xmlns="http://www.w3.org/2000/svg" {size} font-family="{FONTS}">"#);
+    let _ = writeln!(out, "{}", title_of(title));
+    let _ =
+        writeln!(out, r#"<clipPath id="frame"><rect x="{x}" y="{y}" width="{w}" height="{h}"/></clipPath>"#);
+    let _ = writeln!(out, r##"<rect width="{width}" height="{height}" fill="#ffffff"/>"##);
+    out.push_str(body);
+    out.push_str("</svg>\n");
+    out
 }
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,108 @@
+//! Where the plan lies on the sheet.
+
+use super::svg::{Point, Rect};
+use super::{Picture, PictureObject};
+use crate::geometry::{c64, cis};
+
+/// Space between the outermost point and the frame, px.
+const PADDING: f64 = 46.0;
+/// Least and greatest height of the frame, px.
+const HEIGHTS: (f64, f64) = (270.0, 580.0);
+/// Smallest extent drawn, metres.
+const LEAST_EXTENT: f64 = 1.0;
+/// Coordinates beyond are left out, metres.
+const FURTHEST: f64 = 1e12;
+
+/// Map from plan metres to the sheet, at equal scales.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct View {
+    /// Frame of the plan on the sheet.
+    pub frame: Rect,
+    /// Pixels a metre.
+    pub scale: f64,
+    /// Plan point in the middle of the frame.
+    pub centre: c64,
+}
+
+impl View {
+    /// Fits everything into a frame of width `width` with its upper left corner at `corner`.
+    pub(super) fn fit(picture: &Picture, corner: Point, width: f64) -> Self {
+        let (low, high) = extent(picture);
+        let centre = (low + high) / 2.0;
+        let least = LEAST_EXTENT.max(centre.norm() * 1e-6);
+        let size = high - low;
+        let (across, up) = (size.re.max(least), size.im.max(least));
+        let scale = ((width - 2.0 * PADDING) / across).min((HEIGHTS.1 - 2.0 * PADDING) / up);
+        let height = (up * scale + 2.0 * PADDING).clamp(HEIGHTS.0, HEIGHTS.1);
+        View { frame: Rect { x: corner[0], y: corner[1], w: width, h: height }, scale, centre }
+    }
+
+    /// Place of a plan point.
+    pub(super) fn place(&self, point: c64) -> Point {
+        let from_centre = (point - self.centre) * self.scale;
+        [
+            self.frame.x + self.frame.w / 2.0 + from_centre.re,
+            self.frame.y + self.frame.h / 2.0 - from_centre.im,
+        ]
+    }
+
+    /// Plan points of the frame's lower left and upper right corners.
+    pub(super) fn corners(&self) -> (c64, c64) {
+        let half = c64::new(self.frame.w, self.frame.h) / (2.0 * self.scale);
+        (self.centre - half, self.centre + half)
+    }
+
+    /// A path on the sheet, without points that lie less than `spacing` px from the one before.
+    pub(super) fn path(&self, path: &[c64], spacing: f64) -> Vec<Point> {
+        let mut points: Vec<Point> = Vec::new();
+        let drawable = || path.iter().filter(|point| is_drawable(**point));
+        for point in drawable().map(|point| self.place(*point)) {
+            if points.last().is_none_or(|last| distance(*last, point) >= spacing) {
+                points.push(point);
+            }
+        }
+        if let Some(last) = drawable().next_back().map(|point| self.place(*point))
+            && points.last() != Some(&last)
+        {
+            points.push(last);
+        }
+        points
+    }
+}
+
+/// Whether a point can be drawn: finite and not absurdly far.
+pub(super) fn is_drawable(point: c64) -> bool {
+    point.re.abs() <= FURTHEST && point.im.abs() <= FURTHEST
+}
+
+/// Distance on the sheet, px.
+pub(super) fn distance(a: Point, b: Point) -> f64 {
+    (a[0] - b[0]).hypot(a[1] - b[1])
+}
+
+/// Point `length` px from `from` in a direction of the plan.
+pub(super) fn towards(from: Point, heading: f64, length: f64) -> Point {
+    [from[0] + length * heading.cos(), from[1] - length * heading.sin()]
+}
+
+/// Corners of an object's base: front left, front right, back right, back left.
+pub(super) fn base(object: &PictureObject) -> [c64; 4] {
+    let (ahead, left) = (object.size[0] / 2.0, object.size[2] / 2.0);
+    [(ahead, left), (ahead, -left), (-ahead, -left), (-ahead, left)]
+        .map(|(x, y)| object.position + cis(object.facing) * c64::new(x, y))
+}
+
+fn extent(picture: &Picture) -> (c64, c64) {
+    let paths = picture.actors.iter().flat_map(|actor| actor.rest.iter().chain(actor.edited));
+    let targets = picture.handles.iter().filter_map(|handle| handle.target);
+    let bases = picture.objects.iter().flat_map(base);
+    let points = paths.copied().chain(targets).chain(bases).filter(|point| is_drawable(*point));
+    let bounds = points.fold(None, |bounds: Option<(c64, c64)>, point| {
+        let (low, high) = bounds.unwrap_or((point, point));
+        Some((
+            c64::new(low.re.min(point.re), low.im.min(point.im)),
+            c64::new(high.re.max(point.re), high.im.max(point.im)),
+        ))
+    });
+    bounds.unwrap_or_default()
+}
