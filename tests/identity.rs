@@ -126,7 +126,7 @@ fn same(
         for (a, b) in expected.rotations.iter().zip(&found.rotations).skip(1) {
             turned = turned.max(log(a.inverse() * *b).length());
         }
-        if !(moved < SAME && turned < SAME) {
+        if moved.is_nan() || turned.is_nan() || moved.max(turned) >= SAME {
             return Err(format!("frame {frame} is off by {moved:e} m, {turned:e} rad").into());
         }
     }

@@ -77,8 +77,7 @@ fn edited(scene: &Scene) -> Result<Vec<(String, Vec<u8>)>, Failed> {
         hard += 1;
         let spatial = [residual.position, residual.path_position, residual.facing];
         for miss in spatial.into_iter().flatten().chain(residual.seconds) {
-            // Written so that NaN is a miss.
-            if !(miss < HARD) {
+            if miss.is_nan() || miss >= HARD {
                 return Err(format!("{} misses by {miss:e}", constraint.name).into());
             }
         }

@@ -219,9 +219,8 @@ fn entry(name: &str, declared: &At<raw::Clip>, read: Option<&Read>, report: &mut
         return Entry { name: name.to_owned(), clip: None, events: Arc::default() };
     };
     let settled = matches!(frames, Field::Given(_));
-    for note in
-        notes.into_iter().filter(|note| !(settled && matches!(note, ReadNote::RestPoseLeftOut { .. })))
-    {
+    let known = |note: &&ReadNote| settled && matches!(note, ReadNote::RestPoseLeftOut { .. });
+    for note in notes.iter().filter(|note| !known(note)) {
         let help = "settle it in the clip's table, or leave it if it is right";
         report.warn(&declared.place, format!("clip \"{name}\": {note}"), help);
     }

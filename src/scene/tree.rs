@@ -1,6 +1,6 @@
 //! Reads a spanned TOML tree into typed tables. Every value is looked at, so that all faults come out at once.
 //!
-//! [`table!`] writes a table's type, its schema and its reader from one list of keys; the three cannot disagree.
+//! `table!` writes a table's type, its schema and its reader from one list of keys; the three cannot disagree.
 
 use std::borrow::Cow;
 use std::collections::BTreeMap;

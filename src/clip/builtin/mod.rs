@@ -154,7 +154,7 @@ const SLAP: BuiltinInfo = BuiltinInfo {
             description: "length; the hand hits after two fifths of it",
             unit: "s",
             default: 3.0,
-            range: (2.0, 10.0),
+            range: (2.4, 10.0),
         },
         STATURE,
     ],

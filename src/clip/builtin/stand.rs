@@ -13,7 +13,7 @@ const HALF_STANCE: f64 = 0.10;
 /// Turn of the toes outwards, radians.
 const TOES_OUT: f64 = 0.12;
 /// How much lower than with straight legs the pelvis is, metres.
-const KNEES_SOFT: f64 = 0.015;
+const KNEES_SOFT: f64 = 0.005;
 /// Lean of the trunk, radians, at the ends of a clip.
 pub(super) const LEAN: f64 = 0.038;
 /// Swing and bend of a hanging arm, radians, at the ends of a clip.
@@ -48,13 +48,12 @@ pub(super) fn slap(body: &Body, seconds: f64, s: f64) -> Pose {
     body.reach_right(&mut raised, behind, outside, [DVec3::new(-0.1, 1.0, -0.25), ahead]);
     body.reach_right(&mut hit, at_partner, below, [DVec3::new(0.0, 1.0, 0.25), ahead]);
     let mut pose = if s < SLAP_RAISED {
-        between(&down(0.0), &raised, smoothstep((s - SLAP_START) / (SLAP_RAISED - SLAP_START)))
+        between(body, &down(0.0), &raised, smoothstep((s - SLAP_START) / (SLAP_RAISED - SLAP_START)))
     } else if s < SLAP_HIT {
-        between(&raised, &hit, strike((s - SLAP_RAISED) / (SLAP_HIT - SLAP_RAISED)))
+        between(body, &raised, &hit, strike((s - SLAP_RAISED) / (SLAP_HIT - SLAP_RAISED)))
     } else {
-        between(&hit, &down(0.0), smoothstep((s - SLAP_HIT) / (SLAP_DOWN - SLAP_HIT)))
+        between(body, &hit, &down(0.0), smoothstep((s - SLAP_HIT) / (SLAP_DOWN - SLAP_HIT)))
     };
-    straighten_right_elbow(&mut pose);
     plant(body, &mut pose);
     pose
 }
@@ -105,6 +104,26 @@ fn plant(body: &Body, pose: &mut Pose) {
     }
 }
 
+/// From rest to a hit at full speed.
+fn strike(u: f64) -> f64 {
+    u * u * (2.0 - u)
+}
+
+/// Share `s` of the way from one pose to another, joint by joint; the right hand turns steadily in the world.
+fn between(body: &Body, from: &Pose, to: &Pose, s: f64) -> Pose {
+    let mut pose = Pose {
+        root: from.root.lerp(to.root, s),
+        rotations: from.rotations.iter().zip(&to.rotations).map(|(a, b)| slerp(*a, *b, s)).collect(),
+        offsets: Vec::new(),
+    };
+    straighten_right_elbow(&mut pose);
+    let [_, _, elbow, hand] = arm_joints(Side::Right);
+    let world = |pose: &Pose, joint: usize| body.skeleton.forward_kinematics(pose)[joint].rotation;
+    let hand_world = slerp(world(from, hand), world(to, hand), s);
+    pose.rotations[hand] = world(&pose, elbow).inverse() * hand_world;
+    pose
+}
+
 /// Leaves the right elbow its bend and the forearm's twist only: what lies between two bent and twisted elbows would
 /// bend a little sideways.
 fn straighten_right_elbow(pose: &mut Pose) {
@@ -114,18 +133,4 @@ fn straighten_right_elbow(pose: &mut Pose) {
     let rest = bent.inverse() * rotation;
     let twist = DQuat::from_rotation_x(2.0 * rest.x.atan2(rest.w));
     pose.rotations[elbow] = bent * twist;
-}
-
-/// From rest to a hit at full speed.
-fn strike(u: f64) -> f64 {
-    u * u * (2.0 - u)
-}
-
-/// Share `s` of the way from one pose to another, joint by joint.
-fn between(from: &Pose, to: &Pose, s: f64) -> Pose {
-    Pose {
-        root: from.root.lerp(to.root, s),
-        rotations: from.rotations.iter().zip(&to.rotations).map(|(a, b)| slerp(*a, *b, s)).collect(),
-        offsets: Vec::new(),
-    }
 }

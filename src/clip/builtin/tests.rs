@@ -27,7 +27,7 @@ fn many() -> Vec<Clip> {
     }
     for stature in [1.2, 2.2] {
         clips.push(made("walk", &[("stature", stature)]));
-        clips.push(made("slap", &[("stature", stature), ("seconds", 2.0)]));
+        clips.push(made("slap", &[("stature", stature), ("seconds", 2.4)]));
     }
     clips
 }

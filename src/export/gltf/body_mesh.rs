@@ -141,7 +141,7 @@ fn across(skeleton: &Skeleton, rest: &[DVec3]) -> DVec3 {
 fn limbs(skeleton: &Skeleton, rest: &[DVec3], scale: f64) -> Vec<Limb> {
     let joints = &skeleton.joints;
     let roleless = joints.iter().all(|joint| joint.role.is_none());
-    // The role a joint has or leads to; the last child met wins nothing: the first found stays.
+    // The role a joint has or, through helpers, leads to.
     let mut leads_to: Vec<Option<JointRole>> = joints.iter().map(|joint| joint.role).collect();
     for (index, joint) in joints.iter().enumerate().rev() {
         if let Some(parent) = joint.parent

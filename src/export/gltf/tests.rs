@@ -65,11 +65,14 @@ fn parts(glb: &[u8]) -> (serde_json::Value, &[u8]) {
 
 /// Numbers of a floating-point accessor.
 fn numbers(json: &serde_json::Value, binary: &[u8], accessor: &serde_json::Value) -> Vec<f64> {
-    let accessor = &json["accessors"][accessor.as_u64().expect("an index") as usize];
-    let view = &json["bufferViews"][accessor["bufferView"].as_u64().expect("an index") as usize];
-    let start = view["byteOffset"].as_u64().unwrap_or(0) as usize;
-    let length = view["byteLength"].as_u64().expect("a length") as usize;
-    binary[start..start + length]
+    let whole = |value: &serde_json::Value| {
+        let number = value.as_u64().expect("a whole number");
+        usize::try_from(number).expect("fits in memory")
+    };
+    let accessor = &json["accessors"][whole(accessor)];
+    let view = &json["bufferViews"][whole(&accessor["bufferView"])];
+    let start = whole(&view["byteOffset"]);
+    binary[start..start + whole(&view["byteLength"])]
         .chunks(4)
         .map(|bytes| f64::from(f32::from_le_bytes(bytes.try_into().expect("four bytes"))))
         .collect()
