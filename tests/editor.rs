@@ -199,6 +199,74 @@ fn a_conflict_names_the_constraints_and_the_editor_recovers() {
     assert!((edit.characters[1].positions[0] - c64::new(6.0, 0.0)).norm() < ROUNDING);
 }
 
+const INTERVALS: &str = r#"
+[[relative]]
+name = "stay together"
+during = ["bo/slap:start", "bo/slap:end"]
+to = ["ann/slap:start", "ann/slap:end"]
+offset = [0.9, -0.4]
+facing = 180.0
+strength = "hard"
+[[sync]]
+name = "in step"
+intervals = [["ann/slap:start", "ann/slap:end"], ["bo/slap:start", "bo/slap:end"]]
+strength = "hard"
+"#;
+
+#[test]
+fn hard_intervals_hold_at_every_sample() {
+    let mut editor = editor(&format!("{THREE}{INTERVALS}"));
+    let edit = editor.solve().expect("people who stand can stand together").clone();
+    let residuals = cotillion::residual::residuals(editor.scene(), &edit);
+    for name in ["stay together", "in step", "slap"] {
+        let residual = residuals[id(&editor, name).as_usize()];
+        for miss in [residual.position, residual.facing, residual.seconds].into_iter().flatten() {
+            assert!(miss < ROUNDING, "{name} misses by {miss:e}");
+        }
+    }
+    let redundant = |note: &EditNote| matches!(note, EditNote::Redundant(named) if named.name == "stay together");
+    assert!(edit.notes.iter().any(redundant), "two people who stand need one sample only: {:?}", edit.notes);
+}
+
+#[test]
+fn a_soft_interval_pulls_more_the_longer_it_is() {
+    let pulled = |last: u32| {
+        let text = format!(
+            "[clips]\nwalk = {{ builtin = \"walk\", seconds = 6.0 }}\n[[character]]\nname = \"a\"\ntrack = [\"walk\"]\n\
+             position = [0.0, 0.0]\nfacing = 0.0\n\
+             [[pin]]\nat = \"a:start\"\nposition = [0.0, 0.0]\nstrength = \"hard\"\n\
+             [[pin]]\nat = \"a:end\"\nposition = [7.0, 0.0]\nstrength = \"hard\"\n\
+             [[pin]]\nduring = [\"a:90\", \"a:{last}\"]\nposition = [3.6, 1.0]\nstrength = 1e-7\n"
+        );
+        let mut editor = editor(&text);
+        editor.solve().expect("an answer").characters[0].positions[90].im
+    };
+    let (short, long) = (pulled(91), pulled(110));
+    assert!(short > 0.0 && long > 3.0 * short, "weights count frames: {short} and {long}");
+}
+
+#[test]
+fn the_order_of_characters_permutes_the_result() {
+    let block = |name: &str| {
+        let start = THREE.find(&format!("[[character]]\nname = \"{name}\"")).expect("in the scene");
+        let length = THREE[start + 2..].find("[[").map_or(THREE.len(), |end| end + 2);
+        &THREE[start..start + length]
+    };
+    let (ann, bo, cy) = (block("ann"), block("bo"), block("cy"));
+    let reordered = THREE.replace(&format!("{ann}{bo}{cy}"), &format!("{cy}{bo}{ann}"));
+    assert_ne!(reordered, THREE);
+    let (mut a, mut b) = (editor(THREE), editor(&reordered));
+    let (a, b) = (a.solve().expect("an answer"), b.solve().expect("an answer"));
+    for (own, other) in a.characters.iter().zip(b.characters.iter().rev()) {
+        for (p, q) in own.positions.iter().zip(&other.positions) {
+            assert!((p - q).norm() < ROUNDING, "order does not matter");
+        }
+        for (s, t) in own.times.iter().zip(&other.times) {
+            assert!((s - t).abs() < ROUNDING);
+        }
+    }
+}
+
 #[test]
 fn the_paper_mode_needs_no_bounds_and_refuses_time_that_runs_backwards() {
     let backwards =

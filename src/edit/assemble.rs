@@ -137,7 +137,7 @@ pub struct PhaseSystem {
 }
 
 /// Assembles `phase` of a component. `released`: stretches (path, position) without rigidity. Redundant hard rows are
-/// still in; the caller finds them. Cost: linear in frames, cubic in paths where a gauge is needed.
+/// still in; the caller finds them. Cost: linear in frames.
 pub fn assemble(
     paths: &[RestPath],
     held: &[Prepared],

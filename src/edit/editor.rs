@@ -76,8 +76,8 @@ pub struct Editor {
 }
 
 impl Editor {
-    /// Assembles and factors all systems of `scene`. Cost: linear in frames, cubic in the characters of one connected
-    /// group.
+    /// Assembles and factors all systems of `scene`. Cost: linear in frames and, where constraints tie neighbours, in
+    /// characters.
     ///
     /// # Errors
     /// [`EditError::Solver`] where a system cannot be factored.

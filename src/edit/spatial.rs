@@ -73,7 +73,7 @@ enum Attempt {
 }
 
 impl SpatialComponent {
-    /// Assembles both systems. Cost: linear in frames, cubic in paths.
+    /// Assembles both systems. Cost: linear in frames.
     pub fn new(rests: Vec<RestPath>, held: Vec<Prepared>, settings: SpatialSettings) -> Self {
         let [shape, scale] = assemble_both(&rests, &held, &settings, &[]);
         let identity = Rotations { at: c64::new(1.0, 0.0), to: c64::new(1.0, 0.0) };
