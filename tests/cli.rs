@@ -287,6 +287,9 @@ fn the_scene_of_the_readme_runs_and_holds() {
         let miss = constraint["residual"].as_f64().expect("a number");
         assert!(miss < if constraint["strength"] == "hard" { 1e-9 } else { 1e-3 }, "{constraint}");
     }
+    let picture = fs::read(Path::new(env!("CARGO_MANIFEST_DIR")).join("docs/meet.svg")).expect("its picture");
+    let found = fs::read(home.path("result/scene.svg")).expect("written");
+    assert!(picture == found, "docs/meet.svg is the picture of the README's scene; run it again");
     assert_eq!(report["moments"].as_array().map(Vec::len), Some(3));
     let hit =
         report["moments"].as_array().and_then(|moments| moments.iter().find(|m| m["name"] == "ann/slap:hit"));
