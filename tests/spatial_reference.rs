@@ -7,7 +7,7 @@
 use cotillion::constraint::Strength;
 use cotillion::edit::hold::{HeldRow, Hold, Place, Prepared};
 use cotillion::edit::settings::{RelativeMode, RunMode, SpatialSettings};
-use cotillion::edit::spatial::{SpatialComponent, SpatialError};
+use cotillion::edit::spatial::{Miss, SpatialComponent, SpatialError};
 use cotillion::geometry::{c64, cis};
 use cotillion::index::ConstraintId;
 use cotillion::path::RestPath;
@@ -372,7 +372,7 @@ fn contradicting_pins_name_both_and_say_by_how_much() {
     match component.solve() {
         Err(SpatialError::Conflict { constraints, miss }) => {
             assert_eq!(constraints, vec![ConstraintId(100), ConstraintId(500)]);
-            assert!((miss - 0.1).abs() < 1e-9);
+            assert!(matches!(miss, Miss::Metres(miss) if (miss - 0.1).abs() < 1e-9));
         }
         other => panic!("expected a conflict, found {other:?}"),
     }
@@ -404,6 +404,32 @@ fn free_paths_stay_at_rest() {
         for (p, q) in edited.iter().zip(&rest.positions) {
             assert!((p - q).norm() < POSITION);
         }
+    }
+}
+
+#[test]
+fn constraints_take_free_motions_away_one_by_one() {
+    let rests = vec![path_s(), path_t()];
+    let (p, q) = (path_s().positions, path_t().positions);
+    let mut rows: Vec<HeldRow> = Vec::new();
+    let mut free = vec![build(rests.clone(), &rows, SpatialSettings::PAPER).gauges().0];
+    let tie = tied(&rests, (0, 100), (1, 100));
+    for row in [tie[0], tie[1], pin(0, 0, p[0], Strength::Hard), pin(1, 199, q[199], Strength::Hard)] {
+        rows.push(row);
+        free.push(build(rests.clone(), &rows, SpatialSettings::PAPER).gauges().0);
+    }
+    assert_eq!(free, [4, 3, 2, 1, 0]);
+}
+
+#[test]
+fn pins_a_frame_apart_on_a_slow_path_still_fix_it() {
+    let rest = plain((0..100).map(|i| c64::new(1e-4 * f64::from(i), 0.0)).collect());
+    let p = rest.positions.clone();
+    let rows = [pin(0, 50, p[50], Strength::Hard), pin(0, 51, p[51], Strength::Hard)];
+    let result = solved(vec![rest], &rows, SpatialSettings::PRODUCTION);
+    assert_eq!(result.gauges(), (0, 0));
+    for (edited, rest) in result.edited[0].iter().zip(&p) {
+        assert!((edited - rest).norm() < 1e-9);
     }
 }
 
@@ -513,6 +539,43 @@ proptest! {
             last = residual;
         }
         prop_assert!(last < 1e-6);
+    }
+
+    /// A pin where the shape phase puts a frame anyway changes nothing there; a pin anywhere else costs energy.
+    #[test]
+    fn more_pins_never_cost_less(frame in 10u32..190, dx in -0.5..0.5_f64, dy in -0.5..0.5_f64) {
+        let rows = case_c(Strength::Hard);
+        let before = solved(vec![path_s()], &rows, SpatialSettings::PAPER);
+        let with = |shift: c64| {
+            let place = before.shaped[0][frame as usize] + shift;
+            let more = rows.iter().copied().chain([pin(0, frame, place, Strength::Hard)]).collect::<Vec<_>>();
+            if frame == 100 { None } else { Some(solved(vec![path_s()], &more, SpatialSettings::PAPER)) }
+        };
+        if let (Some(same), Some(moved)) = (with(c64::default()), with(c64::new(dx, dy))) {
+            for (p, q) in before.shaped[0].iter().zip(&same.shaped[0]) {
+                prop_assert!((p - q).norm() < 1e-8);
+            }
+            prop_assert!(moved.energy.shape >= before.energy.shape * (1.0 - 1e-9));
+        }
+    }
+
+    /// Targets moved by a similarity of size |a| scale the shape phase by it, and its energy by |a|².
+    #[test]
+    fn similar_targets_scale_energy(size in 0.3..3.0_f64, angle in -3.0..3.0_f64) {
+        let a = size * cis(angle);
+        let scaled: Vec<HeldRow> = case_c(Strength::Hard)
+            .into_iter()
+            .map(|row| match row.hold {
+                Hold::Position { at, target } => HeldRow { hold: Hold::Position { at, target: a * target }, ..row },
+                _ => row,
+            })
+            .collect();
+        let before = solved(vec![path_s()], &case_c(Strength::Hard), SpatialSettings::PAPER);
+        let after = solved(vec![path_s()], &scaled, SpatialSettings::PAPER);
+        for (p, q) in before.shaped[0].iter().zip(&after.shaped[0]) {
+            prop_assert!((a * p - q).norm() < 1e-8);
+        }
+        prop_assert!((after.energy.shape / (before.energy.shape * size * size) - 1.0).abs() < 1e-8);
     }
 
     /// Many drag steps on one factorisation end where one solve at the final targets ends.

@@ -2,13 +2,13 @@
 
 use rayon::prelude::*;
 
-use crate::constraint::{ConstraintKind, Relation, Strength};
+use crate::constraint::{ConstraintKind, Relation};
 use crate::edit::energy::{Energy, Extent, length};
 use crate::edit::error::{EditError, Named};
 use crate::edit::expand::{expand, retarget};
-use crate::edit::facing::Turns;
+use crate::edit::facing::{Turns, held_facings};
 use crate::edit::groups::{Group, spatial_groups, temporal_groups};
-use crate::edit::hold::{HeldRow, Phase};
+use crate::edit::hold::Phase;
 use crate::edit::note::EditNote;
 use crate::edit::settings::{FacingMode, SpatialSettings};
 use crate::edit::spatial::{SpatialComponent, SpatialError};
@@ -23,6 +23,11 @@ use crate::clip::working::WORKING_STEP;
 
 /// Default bounds on time steps in production mode, as multiples of the rest step.
 const DEFAULT_BOUNDS: StepBounds = StepBounds { min: 0.5, max: 2.0 };
+
+/// Paths shorter than this may change their length as they like, metres.
+const SHORT_PATH: f64 = 0.5;
+/// A path within these ratios of its length before the edit is no surprise.
+const USUAL_RATIO: std::ops::RangeInclusive<f64> = 0.5..=2.0;
 
 /// Where a constraint's target is dragged to.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -196,11 +201,11 @@ impl Editor {
     /// Contradicting hard constraints, hard times that the bounds do not allow, or a solver that gives up; the result of
     /// the last solve that succeeded is lost.
     pub fn solve(&mut self) -> Result<&Edit, EditError> {
-        self.edit.notes.clear();
         self.solve_times()?;
         self.solve_paths()?;
         self.update_turns();
         self.update_energy();
+        self.edit.notes = self.notes();
         Ok(&self.edit)
     }
 
@@ -216,13 +221,6 @@ impl Editor {
                     return Err(EditError::BackwardTime { character, frame });
                 }
             }
-            let redundant = group.component.redundant();
-            self.edit
-                .notes
-                .extend(redundant.into_iter().map(|id| EditNote::Redundant(named(&self.scene, id))));
-            if group.component.active_steps > 0 {
-                self.edit.notes.push(EditNote::StepsAtBound { steps: group.component.active_steps });
-            }
         }
         Ok(())
     }
@@ -234,16 +232,6 @@ impl Editor {
             result.map_err(|error| space_error(&self.scene, &group.characters, error))?;
             for (edited, character) in group.component.edited.iter().zip(&group.characters) {
                 self.edit.characters[*character].positions.clone_from(edited);
-            }
-            let redundant = group.component.redundant();
-            self.edit
-                .notes
-                .extend(redundant.into_iter().map(|id| EditNote::Redundant(named(&self.scene, id))));
-            for (path, run) in &group.component.released {
-                self.edit.notes.push(EditNote::Released {
-                    character: self.scene.characters[group.characters[*path]].name.clone(),
-                    frames: group.component.rests[*path].rigid[*run],
-                });
             }
         }
         Ok(())
@@ -266,12 +254,6 @@ impl Editor {
                 if self.settings.facing == FacingMode::TangentBlend {
                     edited.turns.correct(held.turns);
                 }
-                let name = &self.scene.characters[*character].name;
-                self.edit.notes.extend(edited.turns.flips.iter().map(|flip| EditNote::Flip {
-                    character: name.clone(),
-                    frames: (flip.first, flip.last),
-                    repaired: flip.repaired,
-                }));
             }
         }
     }
@@ -288,6 +270,41 @@ impl Editor {
         }
         let extents: Vec<Extent> = self.edit.characters.iter().map(extent).collect();
         self.edit.energy = Energy::new(sums.0, sums.1, sums.2, &extents, self.scene.mode);
+    }
+}
+
+impl Editor {
+    fn notes(&self) -> Vec<EditNote> {
+        let name = |character: usize| self.scene.characters[character].name.clone();
+        let mut notes = Vec::new();
+        let mut redundant: Vec<ConstraintId> =
+            self.temporal.iter().flat_map(|group| group.component.redundant()).collect();
+        redundant.extend(self.spatial.iter().flat_map(|group| group.component.redundant()));
+        redundant.sort_unstable();
+        redundant.dedup();
+        if !redundant.is_empty() {
+            notes.push(EditNote::Redundant(redundant.into_iter().map(|id| named(&self.scene, id)).collect()));
+        }
+        let steps = self.temporal.iter().map(|group| group.component.active_steps).sum();
+        notes.extend((steps > 0).then_some(EditNote::StepsAtBound { steps }));
+        for group in &self.spatial {
+            notes.extend(group.component.released.iter().map(|(path, run)| EditNote::Released {
+                character: name(group.characters[*path]),
+                frames: group.component.rests[*path].rigid[*run],
+            }));
+        }
+        for (index, character) in self.edit.characters.iter().enumerate() {
+            notes.extend(character.turns.flips.iter().map(|flip| EditNote::Flip {
+                character: name(index),
+                frames: (flip.first, flip.last),
+                repaired: flip.repaired,
+            }));
+            let (before, after) = extent(character).length;
+            let ratio = after / before;
+            let drastic = before > SHORT_PATH && !USUAL_RATIO.contains(&ratio);
+            notes.extend(drastic.then(|| EditNote::Stretched { character: name(index), ratio }));
+        }
+        notes
     }
 }
 
@@ -308,38 +325,6 @@ fn extent(character: &EditedCharacter) -> Extent {
         length: (length(&character.rest.positions), length(&character.positions)),
         seconds: (last as f64 * WORKING_STEP, character.times[last] - character.times[0]),
     }
-}
-
-/// What held rows say of the facing of one path.
-#[derive(Clone, Debug, Default)]
-struct HeldFacing {
-    /// Frames whose direction is held; no repair of turned-over tangents crosses them.
-    pinned: Vec<usize>,
-    /// Frames whose facing the shape phase decides, with the turn it gives; hard rows first.
-    turns: Vec<(f64, f64)>,
-}
-
-fn held_facings(component: &SpatialComponent) -> Vec<HeldFacing> {
-    let mut facings = vec![HeldFacing::default(); component.rests.len()];
-    for pass in [true, false] {
-        for (prepared, rotations) in component.held.iter().zip(&component.rotations) {
-            let HeldRow { hold, strength, .. } = prepared.row;
-            if (strength == Strength::Hard) != pass {
-                continue;
-            }
-            let at = hold.at();
-            if hold.is_direction() {
-                facings[at.path].pinned.push(crate::index::floor_index(at.frame));
-            }
-            if hold.is_direction() || at.detail != c64::default() {
-                facings[at.path].turns.push((at.frame, rotations.at.arg()));
-            }
-            if let Some(to) = hold.to() {
-                facings[to.path].turns.push((to.frame, rotations.to.arg()));
-            }
-        }
-    }
-    facings
 }
 
 fn named(scene: &Scene, constraint: ConstraintId) -> Named {

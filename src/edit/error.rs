@@ -2,6 +2,8 @@
 
 use cotillion_solvers::{BoundsError, KktError};
 
+use crate::edit::spatial::Miss;
+
 /// A constraint as its author knows it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Named {
@@ -25,15 +27,15 @@ impl std::fmt::Display for Named {
 #[non_exhaustive]
 pub enum EditError {
     /// Hard constraints on places or facings contradict each other.
-    #[error("constraints {} contradict each other: they miss by {miss:.6} m", list(.constraints))]
+    #[error("{} contradict each other: they miss by {miss}", list(.constraints))]
     Conflict {
         /// Which, in the order of the scene.
         constraints: Vec<Named>,
-        /// By how much, metres (of the direction vector, where facings clash).
-        miss: f64,
+        /// By how much.
+        miss: Miss,
     },
     /// Hard constraints on times contradict each other.
-    #[error("constraints {} contradict each other: they miss by {miss:.6} s", list(.constraints))]
+    #[error("{} contradict each other: they miss by {miss:.6} s", list(.constraints))]
     TimeConflict {
         /// Which, in the order of the scene.
         constraints: Vec<Named>,
@@ -42,7 +44,7 @@ pub enum EditError {
     },
     /// Hard times cannot be met with the bounds on time steps.
     #[error(
-        "constraints {} cannot be met with time steps between {min_step} and {max_step} of the original: {deficit:.6} s are missing",
+        "{} cannot be met with time steps between {min_step} and {max_step} of the original: {deficit:.6} s are missing",
         list(.constraints)
     )]
     InfeasibleTimes {
@@ -94,5 +96,6 @@ pub enum EditError {
 }
 
 fn list(constraints: &[Named]) -> String {
-    constraints.iter().map(Named::to_string).collect::<Vec<_>>().join(" and ")
+    let names = constraints.iter().map(Named::to_string).collect::<Vec<_>>().join(" and ");
+    format!("{} {names}", if constraints.len() == 1 { "constraint" } else { "constraints" })
 }

@@ -1,8 +1,12 @@
 //! Where bodies look after the edit: turns along the path, and what held facings still need.
 
 use crate::clip::working::WORKING_STEP;
+use crate::constraint::Strength;
+use crate::edit::hold::HeldRow;
 use crate::edit::settings::FacingMode;
+use crate::edit::spatial::SpatialComponent;
 use crate::geometry::{c64, smoothstep, wrap};
+use crate::index::floor_index;
 use crate::path::{self, Flip, RestPath, SHORTEST_TANGENT, SegmentFactors, bracket};
 
 /// Held facings nearer than this are joined by interpolation, seconds.
@@ -79,6 +83,39 @@ impl Turns {
             _ => left.map_or(0.0, faded) + right.map_or(0.0, faded),
         }
     }
+}
+
+/// What held rows say of the facing of one path.
+#[derive(Clone, Debug, Default)]
+pub struct HeldFacing {
+    /// Frames whose direction is held; no repair of turned-over tangents crosses them.
+    pub pinned: Vec<usize>,
+    /// Frames whose facing the shape phase decides, with the turn it gives; hard rows first.
+    pub turns: Vec<(f64, f64)>,
+}
+
+/// What held rows say of the facing of each path of a solved component. Cost: linear in rows.
+pub fn held_facings(component: &SpatialComponent) -> Vec<HeldFacing> {
+    let mut facings = vec![HeldFacing::default(); component.rests.len()];
+    for pass in [true, false] {
+        for (prepared, rotations) in component.held.iter().zip(&component.rotations) {
+            let HeldRow { hold, strength, .. } = prepared.row;
+            if (strength == Strength::Hard) != pass {
+                continue;
+            }
+            let at = hold.at();
+            if hold.is_direction() {
+                facings[at.path].pinned.push(floor_index(at.frame));
+            }
+            if hold.is_direction() || at.detail != c64::default() {
+                facings[at.path].turns.push((at.frame, rotations.at.arg()));
+            }
+            if let Some(to) = hold.to() {
+                facings[to.path].turns.push((to.frame, rotations.to.arg()));
+            }
+        }
+    }
+    facings
 }
 
 #[cfg(test)]

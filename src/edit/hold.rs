@@ -106,6 +106,10 @@ pub struct Prepared {
     pub at: Option<Direction>,
     /// Direction at the partner's instant.
     pub to: Option<Direction>,
+    /// A facing that does not turn the path: another one turns its stationary stretch already.
+    pub body_only: bool,
+    /// Row, by position in the list, that is left to the partner's body at that very moment and says how it faces.
+    pub partner_row: Option<usize>,
 }
 
 impl Hold {
@@ -176,7 +180,7 @@ pub fn direction_at(rest: &RestPath, frame: f64, baseline: f64) -> Option<Direct
 }
 
 /// The longest chord from the first frame of a stationary stretch.
-fn run_chord(rest: &RestPath, (first, last): (usize, usize)) -> Direction {
+pub fn run_chord(rest: &RestPath, (first, last): (usize, usize)) -> Direction {
     let length = |k: usize| (rest.positions[k] - rest.positions[first]).norm();
     let mut tip = first;
     for k in first..=last {
@@ -232,11 +236,17 @@ pub struct Rotations {
     pub to: c64,
 }
 
+impl Rotations {
+    /// Both as at rest.
+    pub const NONE: Self = Self { at: c64::new(1.0, 0.0), to: c64::new(1.0, 0.0) };
+}
+
 impl Prepared {
     /// Finds the directions of `row`.
     pub fn new(row: HeldRow, rests: &[RestPath], baseline: f64) -> Self {
         let find = |place: Place| direction_at(&rests[place.path], place.frame, baseline);
-        Self { row, at: find(row.hold.at()), to: row.hold.to().and_then(find) }
+        let (at, to) = (find(row.hold.at()), row.hold.to().and_then(find));
+        Self { row, at, to, body_only: false, partner_row: None }
     }
 
     /// The same row with other numbers for its paths.
@@ -257,13 +267,14 @@ impl Prepared {
         match (self.row.hold.is_direction(), self.at) {
             (false, _) => true,
             (true, None) => false,
+            (true, Some(_)) if self.body_only => false,
             (true, Some(direction)) => !(phase == Phase::Scale && runs_are_rigid && direction.in_run),
         }
     }
 
     /// Whether coefficients of the partner's direction appear in the row (else its rotation appears in the target).
     fn follows_partner(&self, phase: Phase, mode: RelativeMode) -> bool {
-        phase == Phase::Shape || mode == RelativeMode::TangentScaled
+        self.partner_row.is_none() && (phase == Phase::Shape || mode == RelativeMode::TangentScaled)
     }
 
     /// Left side of the row; `counts`: frames of each path.

@@ -8,6 +8,8 @@
 
 pub mod settings;
 pub mod hold;
+pub mod reference;
+pub mod bodies;
 pub mod columns;
 pub mod gauge;
 pub mod assemble;

@@ -2,12 +2,22 @@
 
 use crate::edit::error::Named;
 
+/// So many constraints are named in one note.
+const MOST_NAMED: usize = 5;
+
 /// What the user should know about an edit that succeeded.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum EditNote {
-    /// Other hard constraints imply this one, or part of it.
-    Redundant(Named),
+    /// Hard constraints that others imply, in whole or in part.
+    Redundant(Vec<Named>),
+    /// A path is drastically longer or shorter than before.
+    Stretched {
+        /// Whose.
+        character: String,
+        /// Length after the edit over length before.
+        ratio: f64,
+    },
     /// A stationary stretch could not stay rigid: hard constraints pull it apart.
     Released {
         /// Whose.
@@ -35,7 +45,15 @@ impl std::fmt::Display for EditNote {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self {
             Self::Redundant(named) => {
-                write!(f, "{named} says in part what other hard constraints say already")
+                let shown: Vec<String> = named.iter().take(MOST_NAMED).map(ToString::to_string).collect();
+                let more = match named.len().saturating_sub(MOST_NAMED) {
+                    0 => String::new(),
+                    more => format!(" and {more} more"),
+                };
+                write!(f, "other hard constraints imply all or part of {}{more}", shown.join(", "))
+            }
+            Self::Stretched { character, ratio } => {
+                write!(f, "the path of {character} is {ratio:.2} times as long as before")
             }
             Self::Released { character, frames: (first, last) } => {
                 write!(

@@ -7,10 +7,12 @@
 use cotillion_solvers::{KktError, RowMatrix, analyse_rank};
 
 use crate::edit::assemble::Source;
+use crate::edit::bodies::{first_disagreement, leave_to_the_body};
 use crate::edit::columns::Columns;
-use crate::edit::hold::{Hold, Phase, Prepared, Rotations};
+use crate::edit::hold::{Direction, Hold, Phase, Prepared, Rotations, run_chord};
 use crate::edit::phase::PhaseSolver;
-use crate::edit::settings::{RunMode, SpatialSettings};
+use crate::edit::reference::reference_translations;
+use crate::edit::settings::{FacingMode, RunMode, SpatialSettings};
 use crate::geometry::{c64, cis};
 use crate::index::ConstraintId;
 use crate::path::{RestPath, SegmentFactors};
@@ -28,15 +30,33 @@ pub struct SpatialEnergy {
     pub scale_soft: f64,
 }
 
+/// By how much hard constraints miss each other.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Miss {
+    /// Places.
+    Metres(f64),
+    /// Facings.
+    Radians(f64),
+}
+
+impl std::fmt::Display for Miss {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::Metres(metres) => write!(f, "{metres:.6} m"),
+            Self::Radians(radians) => write!(f, "{:.4} degrees", radians.to_degrees()),
+        }
+    }
+}
+
 /// Why a group of characters has no edit.
 #[derive(Debug, PartialEq)]
 pub enum SpatialError {
-    /// Hard rows contradict each other by `miss` metres.
+    /// Hard rows contradict each other.
     Conflict {
         /// Constraints of these rows.
         constraints: Vec<ConstraintId>,
-        /// Metres.
-        miss: f64,
+        /// By how much.
+        miss: Miss,
     },
     /// The solver gave up.
     Solver(Phase, KktError),
@@ -61,6 +81,8 @@ pub struct SpatialComponent {
     /// Energies of the present result.
     pub energy: SpatialEnergy,
     settings: SpatialSettings,
+    /// Longest chord and first frame of every stationary stretch, by path.
+    chords: Vec<Vec<(Direction, usize)>>,
     shape: PhaseSolver,
     scale: PhaseSolver,
     rescaled: Vec<Vec<c64>>,
@@ -74,17 +96,20 @@ enum Attempt {
 
 impl SpatialComponent {
     /// Assembles both systems. Cost: linear in frames.
-    pub fn new(rests: Vec<RestPath>, held: Vec<Prepared>, settings: SpatialSettings) -> Self {
+    pub fn new(rests: Vec<RestPath>, mut held: Vec<Prepared>, settings: SpatialSettings) -> Self {
+        if settings.facing == FacingMode::TangentBlend {
+            leave_to_the_body(&mut held, &rests);
+        }
         let [shape, scale] = assemble_both(&rests, &held, &settings, &[]);
-        let identity = Rotations { at: c64::new(1.0, 0.0), to: c64::new(1.0, 0.0) };
         Self {
             shaped: rests.iter().map(|rest| rest.positions.clone()).collect(),
             edited: rests.iter().map(|rest| rest.positions.clone()).collect(),
             rescaled: rests.iter().map(|rest| rest.positions.clone()).collect(),
             factors: vec![SegmentFactors::default(); rests.len()],
-            rotations: vec![identity; held.len()],
+            rotations: vec![Rotations::NONE; held.len()],
             energy: SpatialEnergy::default(),
             released: Vec::new(),
+            chords: rests.iter().map(chords).collect(),
             rests,
             held,
             settings,
@@ -133,6 +158,7 @@ impl SpatialComponent {
             self.solve_shape()?;
             self.update_rotations();
         }
+        self.check_bodies()?;
         self.solve_scale().map(|release| release.unwrap_or(Attempt::Done))
     }
 
@@ -145,9 +171,13 @@ impl SpatialComponent {
             }
         }
         for (rotations, prepared) in self.rotations.iter_mut().zip(&self.held) {
-            rotations.at = facings[prepared.row.hold.at().path];
+            rotations.at = match prepared.row.hold {
+                Hold::Facing { at, heading } if prepared.body_only => cis(heading - at.heading),
+                hold => facings[hold.at().path],
+            };
             rotations.to = prepared.row.hold.to().map_or(c64::new(1.0, 0.0), |to| facings[to.path]);
         }
+        self.update_body_partners();
     }
 
     /// Rotations of all places on the shaped paths; whether a body without direction turned on the way.
@@ -155,20 +185,48 @@ impl SpatialComponent {
         let mut turned = false;
         for (rotations, prepared) in self.rotations.iter_mut().zip(&self.held) {
             let hold = prepared.row.hold;
-            if let (Some(direction), Some(to)) = (prepared.to, hold.to()) {
+            if let (Some(direction), Some(to), None) = (prepared.to, hold.to(), prepared.partner_row) {
                 rotations.to = direction.rotation(&self.shaped[to.path]);
             }
             match (prepared.at, hold) {
-                (Some(direction), _) => rotations.at = direction.rotation(&self.shaped[hold.at().path]),
-                (None, Hold::RelativeFacing { at, to, angle }) => {
+                (Some(direction), _) if !prepared.body_only => {
+                    rotations.at = direction.rotation(&self.shaped[hold.at().path]);
+                }
+                (_, Hold::RelativeFacing { at, to, angle }) => {
                     let own = cis(to.heading + angle - at.heading) * rotations.to;
-                    turned |= (own - rotations.at).norm() > 1e-12;
+                    turned |= prepared.at.is_none() && (own - rotations.at).norm() > 1e-12;
                     rotations.at = own;
                 }
-                (None, _) => {}
+                (_, Hold::Facing { at, heading }) => rotations.at = cis(heading - at.heading),
+                (_, Hold::Position { .. } | Hold::Offset { .. }) => {}
             }
         }
-        turned && self.spread_still_rotations()
+        let partners = self.update_body_partners();
+        (turned && self.spread_still_rotations()) || partners
+    }
+
+    /// Hard facings that are left to one body at one moment must agree.
+    fn check_bodies(&self) -> Result<(), SpatialError> {
+        match first_disagreement(&self.held, &self.rotations) {
+            None => Ok(()),
+            Some((rows, radians)) => {
+                let constraints = unique(rows.map(|row| self.held[row].row.constraint).to_vec());
+                Err(SpatialError::Conflict { constraints, miss: Miss::Radians(radians) })
+            }
+        }
+    }
+
+    /// Rotations of partners whose facing at that very moment is left to their bodies; whether one changed.
+    fn update_body_partners(&mut self) -> bool {
+        let mut changed = false;
+        for row in 0..self.held.len() {
+            if let Some(partner) = self.held[row].partner_row {
+                let rotation = self.rotations[partner].at;
+                changed |= (self.rotations[row].to - rotation).norm() > 1e-12;
+                self.rotations[row].to = rotation;
+            }
+        }
+        changed
     }
 
     /// Gives partners without direction the rotation that a relative facing of their own decided.
@@ -195,12 +253,19 @@ impl SpatialComponent {
     }
 
     fn solve_shape(&mut self) -> Result<Option<Attempt>, SpatialError> {
-        let translation = self.best_translation();
+        let paths: Vec<&[c64]> = self.rests.iter().map(|rest| &rest.positions[..]).collect();
+        let unturned = vec![Rotations::NONE; self.held.len()];
+        let translations = reference_translations(&paths, &self.held, &unturned);
         let (held, rotations, rests) = (&self.held, &self.rotations, &self.rests);
         let relative = self.settings.relative;
         let gauge = &self.shape.system.gauge_terms;
         let reference = |row: usize| -> c64 {
-            gauge[row].iter().map(|(path, frame, c)| c * (rests[*path].positions[*frame] + translation)).sum()
+            gauge[row]
+                .iter()
+                .map(|(path, frame, c)| {
+                    c * (rests[*path].positions[*frame] + translations[*path].unwrap_or_default())
+                })
+                .sum()
         };
         let targets: Vec<c64> = (0..gauge.len()).map(reference).collect();
         let value = |source: &Source| match source {
@@ -256,7 +321,8 @@ impl SpatialComponent {
         Ok(None)
     }
 
-    /// Paths whose segments are those at rest, turned as in the shape phase, around the middle of the shaped path.
+    /// Paths whose segments are those at rest, turned as in the shape phase, where their constraints ask for them; where
+    /// none does, around the middle of the shaped path.
     fn rescale(&mut self) {
         for (path, rescaled) in self.rescaled.iter_mut().enumerate() {
             let (rest, shaped) = (&self.rests[path], &self.shaped[path]);
@@ -273,38 +339,26 @@ impl SpatialComponent {
             let shift = (shaped.iter().sum::<c64>() - rescaled.iter().sum::<c64>()) / count;
             rescaled.iter_mut().for_each(|point| *point += shift);
         }
+        let paths: Vec<&[c64]> = self.rescaled.iter().map(Vec::as_slice).collect();
+        let translations = reference_translations(&paths, &self.held, &self.rotations);
+        for (rescaled, translation) in self.rescaled.iter_mut().zip(translations) {
+            let translation = translation.unwrap_or_default();
+            rescaled.iter_mut().for_each(|point| *point += translation);
+        }
     }
 
     /// Unit rotation of every stationary stretch in the shape phase.
     fn run_rotations(&self) -> Vec<Vec<c64>> {
-        let rotation = |path: usize, run: (usize, usize)| {
-            let (rest, shaped) = (&self.rests[path], &self.shaped[path]);
-            let chord = crate::edit::hold::direction_at(rest, run.0 as f64, 0.0).filter(|chord| chord.in_run);
-            match chord {
-                Some(chord) if chord.rest.norm() > 0.0 => chord.rotation(shaped),
-                _ => self.factors[path].rotations.get(run.0).copied().unwrap_or(c64::new(1.0, 0.0)),
+        let rotation = |path: usize, (chord, first): &(Direction, usize)| {
+            if chord.rest.norm() > 0.0 {
+                return chord.rotation(&self.shaped[path]);
             }
+            self.factors[path].rotations.get(*first).copied().unwrap_or(c64::new(1.0, 0.0))
         };
-        let runs =
-            |(path, rest): (usize, &RestPath)| rest.rigid.iter().map(|run| rotation(path, *run)).collect();
-        self.rests.iter().enumerate().map(runs).collect()
-    }
-
-    /// Mean displacement that pinned places ask for; none without pins. Hard ones alone count where there are any.
-    fn best_translation(&self) -> c64 {
-        let (mut sum, mut weight) = (c64::default(), 0.0);
-        for prepared in &self.held {
-            if let Hold::Position { at, target } = prepared.row.hold {
-                let own = match prepared.row.strength {
-                    crate::constraint::Strength::Hard => 1e6,
-                    crate::constraint::Strength::Soft(w) => w,
-                };
-                let rest = crate::path::at(&self.rests[at.path].positions, at.frame) + at.detail;
-                sum += (target - rest) * own;
-                weight += own;
-            }
-        }
-        if weight > 0.0 { sum / weight } else { c64::default() }
+        let runs = |(path, chords): (usize, &Vec<(Direction, usize)>)| {
+            chords.iter().map(|chord| rotation(path, chord)).collect()
+        };
+        self.chords.iter().enumerate().map(runs).collect()
     }
 
     /// Releases the stationary stretches that the contradicting rows touch; without any, that is a conflict.
@@ -329,7 +383,19 @@ impl SpatialComponent {
             rows.iter().map(|row| self.held[*row].row.constraint).collect();
         constraints.sort_unstable();
         constraints.dedup();
-        Err(SpatialError::Conflict { constraints, miss })
+        Err(SpatialError::Conflict { constraints, miss: self.miss_of(rows, miss) })
+    }
+
+    /// What a contradiction of direction vectors by `metres` means: an angle, where only facings clash.
+    fn miss_of(&self, rows: &[usize], metres: f64) -> Miss {
+        let lengths = rows.iter().map(|row| {
+            let prepared = &self.held[*row];
+            prepared.at.filter(|_| prepared.row.hold.is_direction()).map(|direction| direction.rest.norm())
+        });
+        match lengths.collect::<Option<Vec<f64>>>().and_then(|lengths| lengths.into_iter().reduce(f64::max)) {
+            Some(length) => Miss::Radians(2.0 * (metres / (2.0 * length)).min(1.0).asin()),
+            None => Miss::Metres(metres),
+        }
     }
 
     /// Whether rows would contradict each other even if every frame were free: two targets for one instant.
@@ -354,16 +420,24 @@ impl SpatialComponent {
     /// Constraints with hard rows that others imply, in either phase.
     pub fn redundant(&self) -> Vec<ConstraintId> {
         let rows = self.shape.redundant().chain(self.scale.redundant());
-        let mut constraints: Vec<ConstraintId> = rows.map(|row| self.held[row].row.constraint).collect();
-        constraints.sort_unstable();
-        constraints.dedup();
-        constraints
+        unique(rows.map(|row| self.held[row].row.constraint).collect())
     }
 
     /// Number of free motions that were fixed as at rest, in the shape and the scale phase.
     pub fn gauges(&self) -> (usize, usize) {
         (self.shape.system.gauge.len(), self.scale.system.gauge.len())
     }
+}
+
+/// Longest chord and first frame of every stationary stretch of a path.
+fn chords(rest: &RestPath) -> Vec<(Direction, usize)> {
+    rest.rigid.iter().map(|run| (run_chord(rest, *run), run.0)).collect()
+}
+
+fn unique(mut constraints: Vec<ConstraintId>) -> Vec<ConstraintId> {
+    constraints.sort_unstable();
+    constraints.dedup();
+    constraints
 }
 
 fn assemble_both(

@@ -1,0 +1,54 @@
+//! Facings of people who stand: one turns the whole stationary stretch, the others turn the body on the spot.
+
+use crate::constraint::Strength;
+use crate::edit::hold::{Place, Prepared, Rotations};
+use crate::path::RestPath;
+
+/// Facings agree if they differ by no more than this, radians.
+const AGREEMENT: f64 = 1e-9;
+/// Moments nearer than this are one, frames.
+const SAME_MOMENT: f64 = 1e-9;
+
+/// Lets one facing turn each stationary stretch; the body alone turns for the others, which may differ, where facings are
+/// corrected. Hard ones decide before soft ones, earlier ones before later ones.
+pub fn leave_to_the_body(held: &mut [Prepared], rests: &[RestPath]) {
+    let mut decided: Vec<(usize, usize, f64)> = Vec::new();
+    let mut order: Vec<usize> = (0..held.len()).collect();
+    order.sort_by_key(|row| held[*row].row.strength != Strength::Hard);
+    let mut turned: Vec<(Place, usize)> = Vec::new();
+    for row in order {
+        let hold = held[row].row.hold;
+        let in_run = hold.is_direction() && held[row].at.is_some_and(|direction| direction.in_run);
+        let Some(run) = rests[hold.at().path].rigid_at(hold.at().frame).filter(|_| in_run) else { continue };
+        let decider = decided.iter().find(|(path, start, _)| (*path, *start) == (hold.at().path, run.0));
+        match decider {
+            None => decided.push((hold.at().path, run.0, hold.at().frame)),
+            // Two facings at one moment must agree, which the rows find out.
+            Some((_, _, frame)) if (frame - hold.at().frame).abs() < SAME_MOMENT => {}
+            Some(_) => {
+                held[row].body_only = true;
+                turned.push((hold.at(), row));
+            }
+        }
+    }
+    for (place, row) in turned {
+        let same = |to: Place| to.path == place.path && (to.frame - place.frame).abs() < SAME_MOMENT;
+        for prepared in held.iter_mut().filter(|prepared| prepared.row.hold.to().is_some_and(same)) {
+            prepared.partner_row = Some(row);
+        }
+    }
+}
+
+/// The first two hard rows, left to one body at one moment, that ask for different facings, and by how many radians.
+pub fn first_disagreement(held: &[Prepared], rotations: &[Rotations]) -> Option<([usize; 2], f64)> {
+    let hard = |row: &usize| held[*row].body_only && held[*row].row.strength == Strength::Hard;
+    let mut rows: Vec<usize> = (0..held.len()).filter(hard).collect();
+    let moment = |row: usize| (held[row].row.hold.at().path, held[row].row.hold.at().frame);
+    rows.sort_by(|a, b| moment(*a).0.cmp(&moment(*b).0).then(moment(*a).1.total_cmp(&moment(*b).1)));
+    rows.windows(2).find_map(|pair| {
+        let (a, b) = (moment(pair[0]), moment(pair[1]));
+        let apart = (rotations[pair[0]].at / rotations[pair[1]].at).arg().abs();
+        let clash = a.0 == b.0 && (a.1 - b.1).abs() < SAME_MOMENT && apart > AGREEMENT;
+        clash.then_some(([pair[0], pair[1]], apart))
+    })
+}
