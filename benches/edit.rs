@@ -113,7 +113,7 @@ fn sampling(criterion: &mut Criterion) {
         editor.solve().expect("an answer");
         group.throughput(Throughput::Elements(4 * frames as u64));
         group.bench_function(BenchmarkId::new("frames", frames), |b| {
-            b.iter(|| resample(editor.scene(), editor.edit()));
+            b.iter(|| resample(editor.scene(), editor.edit()).expect("a short result"));
         });
     }
     group.finish();

@@ -30,9 +30,31 @@ pub struct Resampled {
     pub clips: Vec<Clip>,
 }
 
+/// A result that would be out of all proportion.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[error(
+    "the result would have {frames:.0} frames, from {start_time:.0} s to {end_time:.0} s, more than memory is for; \
+     everybody holds still from the first output frame to their own first"
+)]
+pub struct TooLong {
+    /// Frames of all characters.
+    pub frames: f64,
+    /// Scene time of output frame 0, seconds.
+    pub start_time: f64,
+    /// Scene time of the last output frame, seconds.
+    pub end_time: f64,
+}
+
+/// Most joint rotations of a result: some gigabytes.
+const MOST_ROTATIONS: f64 = 1e8;
+
 /// Samples all characters of an edit on the scene's clock. Cost: linear in output frames and joints.
-pub fn resample(scene: &Scene, edit: &Edit) -> Resampled {
+///
+/// # Errors
+/// [`TooLong`] where times lie so far apart that the result would not fit in memory.
+pub fn resample(scene: &Scene, edit: &Edit) -> Result<Resampled, TooLong> {
     let start_tick = first_tick(scene, edit);
+    check_size(scene, edit, start_tick)?;
     let sample = |(character, edited): (&crate::scene::Character, &EditedCharacter)| {
         let track = &character.track;
         let last = end_tick(scene.fps, edited.end_time(track)).max(start_tick);
@@ -43,7 +65,19 @@ pub fn resample(scene: &Scene, edit: &Edit) -> Resampled {
         Clip::from_poses(&character.name, skeleton, scene.fps, &poses)
     };
     let pairs: Vec<_> = scene.characters.iter().zip(&edit.characters).collect();
-    Resampled { start_time: start_tick / scene.fps, clips: pairs.into_par_iter().map(sample).collect() }
+    Ok(Resampled { start_time: start_tick / scene.fps, clips: pairs.into_par_iter().map(sample).collect() })
+}
+
+fn check_size(scene: &Scene, edit: &Edit, start_tick: f64) -> Result<(), TooLong> {
+    let (mut frames, mut rotations, mut last_tick) = (0.0, 0.0, start_tick);
+    for (character, edited) in scene.characters.iter().zip(&edit.characters) {
+        let last = end_tick(scene.fps, edited.end_time(&character.track)).max(start_tick);
+        frames += last - start_tick + 1.0;
+        rotations += (last - start_tick + 1.0) * character.track.clips[0].clip.skeleton.joints.len() as f64;
+        last_tick = last_tick.max(last);
+    }
+    let (start_time, end_time) = (start_tick / scene.fps, last_tick / scene.fps);
+    if rotations > MOST_ROTATIONS { Err(TooLong { frames, start_time, end_time }) } else { Ok(()) }
 }
 
 /// A track before the edit on the scene's clock, with the contacts of its feet.

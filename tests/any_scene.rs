@@ -129,7 +129,8 @@ fn perform(text: &str) -> Result<bool, TestCaseError> {
         }
         Err(_) => return Ok(true),
     };
-    let resampled = resample(editor.scene(), &edit);
+    let resampled =
+        resample(editor.scene(), &edit).map_err(|error| TestCaseError::fail(error.to_string()))?;
     for clip in &resampled.clips {
         prop_assert!(clip.root_positions.iter().all(|p| p.is_finite()));
         prop_assert!(clip.rotations.iter().all(|q| q.is_finite()));
@@ -139,7 +140,10 @@ fn perform(text: &str) -> Result<bool, TestCaseError> {
         prop_assert!(constraint.residual.is_finite());
         // In paper mode bodies turn with their tangents, which offsets between them do not follow exactly.
         if constraint.strength == "hard" && !text.contains("mode = \"paper\"") {
-            prop_assert!(constraint.path_residual.unwrap_or(0.0) < 1e-6, "{} of {text}", constraint.name);
+            // Rounding of places up to 9e4 m away.
+            for miss in [Some(constraint.residual), constraint.path_residual, constraint.facing_residual] {
+                prop_assert!(miss.unwrap_or(0.0) < 1e-8, "{} of {text}", constraint.name);
+            }
         }
     }
     prop_assert!(scene_files(editor.scene(), &edit, &resampled).len() == 5);

@@ -290,7 +290,11 @@ fn the_scene_of_the_readme_runs_and_holds() {
     let picture = fs::read(Path::new(env!("CARGO_MANIFEST_DIR")).join("docs/meet.svg")).expect("its picture");
     let found = fs::read(home.path("result/scene.svg")).expect("written");
     assert!(picture == found, "docs/meet.svg is the picture of the README's scene; run it again");
-    assert_eq!(report["moments"].as_array().map(Vec::len), Some(3));
+    assert_eq!(report["moments"].as_array().map(Vec::len), Some(4));
+    let ann = &report["characters"][0];
+    let (rest, edited) = (ann["path_length"]["rest"].as_f64(), ann["path_length"]["edited"].as_f64());
+    assert!(rest.zip(edited).is_some_and(|(rest, edited)| (rest - edited).abs() > 0.05), "the example edits");
+    assert!(ann["time_step"]["min"].as_f64().is_some_and(|step| step < 0.95), "and warps time");
     let hit =
         report["moments"].as_array().and_then(|moments| moments.iter().find(|m| m["name"] == "ann/slap:hit"));
     assert!(hit.is_some_and(|hit| (hit["time"].as_f64().unwrap_or(0.0) - 5.0).abs() < 1e-9));

@@ -80,7 +80,7 @@ fn unchanged(source: &str, capture: Option<PathBuf>) -> Result<(), Failed> {
     if edit.energy.total > 1e-9 {
         return Err(format!("an edit that asks for nothing costs {:e}", edit.energy.total).into());
     }
-    let resampled = resample(editor.scene(), &edit);
+    let resampled = resample(editor.scene(), &edit).map_err(|error| error.to_string())?;
     for (character, result) in editor.scene().characters.iter().zip(&resampled.clips) {
         let track = &character.track;
         if result.frame_count() != (last - first + 1) as usize {

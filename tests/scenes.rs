@@ -62,6 +62,12 @@ fn holds(path: &Path, folders: &ClipFolders) -> Result<(), Failed> {
     if files != edited(&scene)? {
         return Err("two runs give different bytes".into());
     }
+    let stem = path.file_stem().unwrap_or_default().to_string_lossy();
+    let shown = Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("docs/{stem}.svg"));
+    let picture = files.iter().find(|(name, _)| name == "scene.svg").map(|(_, bytes)| bytes);
+    if shown.is_file() && Some(&fs::read(&shown)?) != picture {
+        return Err(format!("{} is not what the scene gives; run it again", shown.display()).into());
+    }
     Ok(())
 }
 
@@ -90,7 +96,7 @@ fn edited(scene: &Scene) -> Result<Vec<(String, Vec<u8>)>, Failed> {
     if hard == 0 || syncs == 0 {
         return Err("a scene of ours has hard constraints and synchronised moments".into());
     }
-    let resampled = resample(scene, edit);
+    let resampled = resample(scene, edit).map_err(|error| error.to_string())?;
     for clip in &resampled.clips {
         let finite =
             clip.root_positions.iter().all(|p| p.is_finite()) && clip.rotations.iter().all(|q| q.is_finite());

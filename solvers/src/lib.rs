@@ -6,7 +6,6 @@
 //! |---|---|
 //! | `min ½‖M x − m‖²` s.t. `H x = h`, sparse, real or complex | [`analyse`], [`Analysis::factor`], [`Factor::solve_into`]: plan once per pattern, factor once per weights, solve for many targets. [`solve`] does all three |
 //! | which rows of `H` repeat or contradict others | [`analyse_rank`], before factoring: dependent rows make the factorisation fail |
-//! | what a few rows leave free | [`null_space`], dense |
 //! | `min ½xᵀGx − gᵀx` s.t. `A x = b`, `C x ≥ d`, dense, up to about a hundred unknowns | [`solve_bounded`] |
 //! | is there any `x` with `x_to − x_from` in given intervals, and how far can each node move | [`node_bounds`] |
 //!
@@ -39,7 +38,7 @@ pub use kkt::{Analysis, Factor, Workspace, analyse, solve};
 pub use least_squares::LeastSquares;
 pub use nalgebra::{DMatrix, DVector};
 pub use quadratic::{BoundedQp, BoundedSolution};
-pub use rank::{Dependency, RankReport, analyse_rank, null_space};
+pub use rank::{Dependency, RankReport, analyse_rank};
 pub use scalar::{Scalar, TwoPart};
 pub use sparse::{RowMatrix, multiply};
 pub use sprs::CsMat;

@@ -1,7 +1,6 @@
-//! Which equality rows depend on which others, and what a dense matrix leaves free.
+//! Which equality rows depend on which others.
 
 use crate::scalar::Scalar;
-use nalgebra::DMatrix;
 use sprs::CsMat;
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -147,71 +146,6 @@ impl<T: Scalar> Basis<T> {
     }
 }
 
-/// Orthonormal basis, by columns, of the vectors that a matrix maps to nothing: right singular vectors whose singular
-/// value is below `relative_tolerance` times the largest. A matrix of zeros, or without rows, leaves everything free.
-///
-/// One-sided Jacobi rotations, which keep small singular values and clusters exact to rounding (nalgebra's bidiagonal
-/// decomposition was seen to lose four digits on clusters). Cost: about ten sweeps of rows × columns².
-///
-/// Source: Hestenes, *Inversion of matrices by biorthogonalization and related results*, J. SIAM 6 (1958).
-pub fn null_space<T: Scalar>(matrix: &DMatrix<T>, relative_tolerance: f64) -> DMatrix<T> {
-    const MOST_SWEEPS: usize = 60;
-    let columns = matrix.ncols();
-    let mut images = matrix.clone();
-    let mut right = DMatrix::identity(columns, columns);
-    for _ in 0..MOST_SWEEPS {
-        let mut settled = true;
-        for p in 0..columns {
-            for q in p + 1..columns {
-                if let Some(rotation) = Rotation::between(&images, p, q) {
-                    settled = false;
-                    rotation.apply(&mut images, p, q);
-                    rotation.apply(&mut right, p, q);
-                }
-            }
-        }
-        if settled {
-            break;
-        }
-    }
-    let singular: Vec<f64> = images.column_iter().map(|column| column.norm()).collect();
-    let largest = singular.iter().copied().fold(0.0, f64::max);
-    let is_free = |&k: &usize| largest == 0.0 || singular[k] < relative_tolerance * largest;
-    let free: Vec<usize> = (0..columns).filter(is_free).collect();
-    right.select_columns(&free)
-}
-
-/// Unitary map of two columns: the second times a phase, then a plane rotation.
-struct Rotation<T> {
-    phase: T,
-    cosine: f64,
-    sine: f64,
-}
-
-impl<T: Scalar> Rotation<T> {
-    /// What makes two columns orthogonal; none if they are already.
-    fn between(matrix: &DMatrix<T>, p: usize, q: usize) -> Option<Self> {
-        let (a, b) = (matrix.column(p), matrix.column(q));
-        let (a_sq, b_sq, product) = (a.norm_squared(), b.norm_squared(), a.dotc(&b));
-        let size = product.modulus();
-        if size <= 1e-15 * (a_sq * b_sq).sqrt() {
-            return None;
-        }
-        let zeta = (b_sq - a_sq) / (2.0 * size);
-        let tangent = zeta.signum() / (zeta.abs() + zeta.hypot(1.0));
-        let cosine = 1.0 / tangent.hypot(1.0);
-        Some(Self { phase: product.conjugate().unscale(size), cosine, sine: cosine * tangent })
-    }
-
-    fn apply(&self, matrix: &mut DMatrix<T>, p: usize, q: usize) {
-        for i in 0..matrix.nrows() {
-            let (a, b) = (matrix[(i, p)], matrix[(i, q)] * self.phase);
-            matrix[(i, p)] = a.scale(self.cosine) - b.scale(self.sine);
-            matrix[(i, q)] = a.scale(self.sine) + b.scale(self.cosine);
-        }
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -274,35 +208,5 @@ mod tests {
         let report = analyse_rank(&rows.to_csr());
         assert_eq!(report.independent.len(), count);
         assert_eq!(report.dependent[0].certificate().len(), count + 1);
-    }
-
-    #[test]
-    fn clustered_singular_values_leave_the_null_space_exact() {
-        let a = DMatrix::from_fn(10, 8, |i, j| {
-            if i < 6 && i == j {
-                0.3
-            } else if i == 6 {
-                1e-3 * (j as f64 - 6.5).abs()
-            } else {
-                0.0
-            }
-        });
-        let free = null_space(&a, 1e-9);
-        assert_eq!(free.ncols(), 1);
-        assert!((&a * &free).amax() < 1e-15 && (free.norm() - 1.0).abs() < 1e-14);
-    }
-
-    #[test]
-    fn null_spaces_are_orthonormal_and_complete() {
-        let a = DMatrix::from_row_slice(2, 4, &[1.0, 2.0, 3.0, 4.0, 2.0, 4.0, 6.0, 8.0]);
-        let free = null_space(&a, 1e-9);
-        assert_eq!(free.ncols(), 3);
-        assert!((&a * &free).amax() < 1e-14);
-        assert!((free.adjoint() * &free - DMatrix::identity(3, 3)).amax() < 1e-14);
-        let complex = DMatrix::from_row_slice(1, 2, &[c64::new(1.0, 1.0), c64::new(0.0, 2.0)]);
-        let free = null_space(&complex, 1e-9);
-        assert!(free.ncols() == 1 && (&complex * &free).camax() < 1e-15);
-        assert_eq!(null_space(&DMatrix::<f64>::zeros(0, 3), 1e-9), DMatrix::identity(3, 3));
-        assert_eq!(null_space(&DMatrix::<c64>::zeros(5, 2), 1e-9), DMatrix::identity(2, 2));
     }
 }

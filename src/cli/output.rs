@@ -79,6 +79,22 @@ impl Output {
         }
     }
 
+    /// Tells what is wrong at places of a scene file; the first says it all, the others show where else.
+    pub(crate) fn diagnostics(&self, diagnostics: &[Diagnostic], text: &str) {
+        match (self.manner.json, diagnostics.first()) {
+            (true, Some(first)) => self.errors_json(&[first]),
+            (true, None) => {}
+            (false, Some(first)) if first.line == 0 => self.errors(&[PlainError {
+                file: first.file.clone(),
+                line: 0,
+                column: 0,
+                message: first.message.clone(),
+                help: first.help.clone(),
+            }]),
+            (false, _) => self.print_error(&render(diagnostics, text, self.rendering())),
+        }
+    }
+
     /// Tells what the author of a scene should know.
     pub(crate) fn warnings(&self, warnings: &[Diagnostic], text: &str) {
         if !self.manner.json && !self.manner.quiet && !warnings.is_empty() {
@@ -120,7 +136,7 @@ impl Output {
             line: 0,
             column: 0,
             message: format!("cannot be written: {error}"),
-            help: Some("name a place with room that you may write to; nothing was changed there".to_owned()),
+            help: Some("name a folder with room that you may write to; nothing was changed there".to_owned()),
         }]);
         Failure::BadInput
     }

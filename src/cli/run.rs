@@ -3,13 +3,14 @@
 use std::path::Path;
 use std::time::Instant;
 
+use cotillion::edit::error::Named;
 use cotillion::edit::{Edit, EditError, Editor};
 use cotillion::export::files::{OutputFile, write_all};
 use cotillion::export::picture::to_png;
 use cotillion::export::report::{Report, Timing, report};
 use cotillion::export::scene::scene_files;
-use cotillion::resample::resample;
-use cotillion::scene::{ClipFolders, Loaded, Scene, load};
+use cotillion::resample::{TooLong, resample};
+use cotillion::scene::{ClipFolders, Diagnostic, Loaded, Scene, Severity, load};
 
 use super::output::{Output, PlainError};
 use super::{Failure, RunArgs};
@@ -31,21 +32,29 @@ pub(crate) fn run(args: &RunArgs) -> Result<(), Failure> {
     bar.inc(1);
     let solved = solve(scene, &mut timing, &bar).map_err(|error| {
         bar.finish_and_clear();
-        output.errors(&[unsatisfiable(&args.scene, &error)]);
+        output.diagnostics(&unsatisfiable(&args.scene, &text, &error), &text);
         Failure::Unsatisfiable
     })?;
     let mut files = Vec::new();
-    let mut told = timed(&mut timing.export, || {
+    let sampled = timed(&mut timing.export, || {
         bar.set_message("sampling");
         let (scene, edit) = (solved.scene(), solved.edit());
-        let resampled = resample(scene, edit);
+        let resampled = resample(scene, edit)?;
         bar.inc(1);
         bar.set_message("writing");
         files = scene_files(scene, edit, &resampled);
-        report(scene, edit, &resampled)
+        Ok(report(scene, edit, &resampled))
     });
+    let mut told = sampled.map_err(|error: TooLong| {
+        bar.finish_and_clear();
+        let help = Some("give times nearer to 0 and to each other".to_owned());
+        let (file, message) = (args.scene.display().to_string(), error.to_string());
+        output.errors(&[PlainError { file, line: 0, column: 0, message, help }]);
+        Failure::Unsatisfiable
+    })?;
     if args.png {
-        files.push(png(&files, args.png_width, &output)?);
+        let drawn = timed(&mut timing.export, || png(&files, args.png_width, &output))?;
+        files.push(drawn);
     }
     timing.export += write(args, &mut told, files, timing).map_err(|error| {
         bar.finish_and_clear();
@@ -106,29 +115,52 @@ fn png(files: &[OutputFile], width: u32, output: &Output) -> Result<OutputFile, 
     }
 }
 
-/// What to tell of a scene without an answer: the first line it concerns, and the remedy.
-fn unsatisfiable(scene: &Path, error: &EditError) -> PlainError {
-    let (line, help) = match error {
-        EditError::Conflict { constraints, .. } | EditError::TimeConflict { constraints, .. } => (
-            constraints.last().map(|named| named.line),
-            "change or remove one of them, or give one a weight as its strength",
-        ),
+/// What to tell of a scene without an answer: at the last constraint it concerns what is wrong and the remedy, then the
+/// others.
+fn unsatisfiable(scene: &Path, text: &str, error: &EditError) -> Vec<Diagnostic> {
+    let (constraints, help): (&[Named], _) = match error {
+        EditError::Conflict { constraints, .. } | EditError::TimeConflict { constraints, .. } => {
+            (constraints, "change or remove one of them, or give one a weight as its strength")
+        }
         EditError::InfeasibleTimes { constraints, .. } => (
-            constraints.last().map(|named| named.line),
+            constraints,
             "change one of these times by what is missing, or widen min_step and max_step in [warp]",
         ),
-        EditError::BackwardTime { .. } => (None, "add min_step = 0.5 to the table [warp]"),
-        _ => (None, "make hard constraints that lie close together soft"),
+        EditError::BackwardTime { .. } => (&[], "add min_step = 0.5 to the table [warp]"),
+        _ => (&[], "make hard constraints that lie close together soft"),
     };
     let cause = std::error::Error::source(error).map_or(String::new(), |source| format!(": {source}"));
-    let line = line.unwrap_or(0) as usize;
-    PlainError {
+    let (last, others) = match constraints.split_last() {
+        Some((last, others)) => (last.line as usize, others),
+        None => (0, constraints),
+    };
+    let about = |line: usize, message: String, help: Option<String>| Diagnostic {
         file: scene.display().to_string(),
         line,
         column: usize::from(line > 0),
-        message: format!("{error}{cause}"),
-        help: Some(help.to_owned()),
+        span: line_span(text, line),
+        field: None,
+        message,
+        help,
+        severity: Severity::Fault,
+    };
+    let mut told = vec![about(last, format!("{error}{cause}"), Some(help.to_owned()))];
+    told.extend(
+        others.iter().map(|named| about(named.line as usize, format!("{named} has a share in this"), None)),
+    );
+    told
+}
+
+/// Bytes of line `line` of `text`, from 1; none for 0.
+fn line_span(text: &str, line: usize) -> std::ops::Range<usize> {
+    let mut start = 0;
+    for (index, own) in text.split_inclusive('\n').enumerate() {
+        if index + 1 == line {
+            return start..start + own.trim_end().len();
+        }
+        start += own.len();
     }
+    0..0
 }
 
 /// A few lines for people.

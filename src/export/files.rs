@@ -34,6 +34,12 @@ pub struct WriteError {
 /// # Errors
 /// [`WriteError`]; then nothing has been renamed unless the renaming itself failed, and a folder made here is gone again.
 pub fn write_all(folder: &Path, files: &[OutputFile]) -> Result<(), WriteError> {
+    if folder.is_file() {
+        return Err(failed(folder)(io::Error::new(
+            io::ErrorKind::NotADirectory,
+            "it is a file, not a folder",
+        )));
+    }
     let fresh = first_missing(folder);
     let written = fs::create_dir_all(folder).map_err(failed(folder)).and_then(|()| write_into(folder, files));
     if let (Err(_), Some(fresh)) = (&written, &fresh) {

@@ -259,11 +259,15 @@ fn frame_of(what: &str, entry: &Entry) -> Result<f64, Unresolved> {
 }
 
 fn no_event(what: &str, entry: &Entry) -> Unresolved {
+    if what.starts_with(|c: char| c.is_ascii_digit()) {
+        let message = format!("\"{what}\" is no frame of clip \"{}\"", entry.name);
+        return wrong(message, "frames are whole numbers, counted from 0 as in the file".to_owned());
+    }
     let mut known = vec!["start", "end"];
     known.extend(entry.events.keys().map(String::as_str));
     let help = suggest::remedy(what, "events", &known);
     let message = format!("clip \"{}\" has no event \"{what}\"", entry.name);
-    wrong(message, format!("{help}; or a frame number of the file"))
+    wrong(message, format!("{help}; or a frame number; or add events = {{ {what} = FRAME }} to the clip"))
 }
 
 #[cfg(test)]
