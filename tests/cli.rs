@@ -35,6 +35,11 @@ fn stderr(output: &Output) -> String {
     String::from_utf8_lossy(&output.stderr).into_owned()
 }
 
+/// Errors as one line: they are broken to the width of the terminal.
+fn said(output: &Output) -> String {
+    stderr(output).replace('│', " ").split_whitespace().collect::<Vec<_>>().join(" ")
+}
+
 fn stdout(output: &Output) -> String {
     String::from_utf8_lossy(&output.stdout).into_owned()
 }
@@ -122,7 +127,7 @@ fn contradicting_constraints_end_with_exit_code_1_and_leave_nothing() {
     let home = Home::with(&scene);
     let output = home.run(&[]);
     assert_eq!(output.status.code(), Some(1));
-    let said = stderr(&output);
+    let said = said(&output);
     for part in ["\"ann arrives\" (line 13)", "\"ann stays\" (line 19)", "0.5", "help: "] {
         assert!(said.contains(part), "{part} in {said}");
     }
@@ -142,7 +147,7 @@ fn times_that_the_bounds_forbid_are_explained() {
     let home = Home::with(&scene);
     let output = home.run(&[]);
     assert_eq!(output.status.code(), Some(1));
-    let said = stderr(&output);
+    let said = said(&output);
     assert!(said.contains("\"slow\" (line 19)") && said.contains("s are missing"), "{said}");
     assert_eq!(home.names(), ["scene.toml"]);
 }

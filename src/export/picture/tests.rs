@@ -174,20 +174,3 @@ fn a_png_without_pixels_is_refused() {
     assert!(matches!(to_png("no picture", 100), Err(PictureError::Xml(_))));
     assert!(matches!(to_png("<p/>", 100), Err(PictureError::Svg(_))));
 }
-
-/// Writes pictures to look at: `PICTURES=folder cargo test --lib picture -- --ignored`.
-#[test]
-#[ignore = "for eyes"]
-fn pictures_to_look_at() {
-    let folder = std::env::var("PICTURES").expect("a folder");
-    for count in [1, 12, 60, 300] {
-        let (motions, names) = (motions(count, 150), names(count));
-        let mut picture = picture(&motions, &names);
-        for (k, name) in names.iter().enumerate().take(14) {
-            let tie = Tie { points: vec![(k, 1.0 + k as f64 * 0.3)], name: name.clone(), pinned: k % 2 == 0 };
-            picture.ties.push(tie);
-        }
-        let png = to_png(&to_svg(&picture), 1600).expect("a PNG");
-        std::fs::write(format!("{folder}/{count}.png"), png).expect("a writable folder");
-    }
-}
