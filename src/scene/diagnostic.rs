@@ -86,6 +86,7 @@ const MOST_UNDERLINED: usize = 50;
 /// Diagnostics of one file for people. `text`: what that file says.
 pub fn render(diagnostics: &[Diagnostic], text: &str, rendering: Rendering) -> String {
     let theme = match rendering {
+        _ if text.is_empty() => return diagnostics.iter().map(plain).collect(),
         Rendering::Plain => return diagnostics.iter().map(plain).collect(),
         Rendering::Colours => GraphicalTheme::unicode(),
         Rendering::Graphical => GraphicalTheme::unicode_nocolor(),

@@ -36,9 +36,30 @@ fn glyph(character: char) -> (char, f64, &'static str) {
         '\u{2212}' | '–' => '−',
         '‘' | '’' => '\'',
         '“' | '”' => '"',
-        other => other,
+        other => plain_letter(other),
     };
     GLYPHS.iter().find(|(known, ..)| *known == plain).copied().unwrap_or(BOX)
+}
+
+/// Letters with their accents, then without.
+const ACCENTED: [(&str, &str); 2] = [
+    (
+        "ÀÁÂÃÄÅĀĂĄÇĆČĎÈÉÊËĒĘĚÌÍÎÏĪŁĽÑŃŇÒÓÔÕÖØŌŐŘŚŞŠŢŤÙÚÛÜŪŮŰÝŸŹŻŽ",
+        "AAAAAAAAACCCDEEEEEEEIIIIILLNNNOOOOOOOORSSSTTUUUUUUUYYZZZ",
+    ),
+    (
+        "àáâãäåāăąçćčďèéêëēęěìíîïīłľñńňòóôõöøōőřśşšţťùúûüūůűýÿźżž",
+        "aaaaaaaaacccdeeeeeeeiiiiillnnnoooooooorsssttuuuuuuuyyzzz",
+    ),
+];
+
+/// The letter without its accent: these strokes have none.
+fn plain_letter(character: char) -> char {
+    let plain = |(accented, plain): &(&str, &str)| {
+        let place = accented.chars().position(|known| known == character)?;
+        plain.chars().nth(place)
+    };
+    ACCENTED.iter().find_map(plain).unwrap_or(character)
 }
 
 /// Character, width without the gap, strokes.
@@ -178,3 +199,17 @@ const GLYPHS: &[(char, f64, &str)] = &[
     ('→', 14.0, "M0-5.5H14M9.5-10L14-5.5L9.5-1"),
     ('°', 5.0, "M2.5-14A2.5 2.5 0 0 0 2.5-9A2.5 2.5 0 0 0 2.5-14"),
 ];
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn accented_letters_have_the_strokes_of_plain_ones() {
+        for (accented, plain) in ACCENTED {
+            assert_eq!(accented.chars().count(), plain.chars().count());
+        }
+        let (accented, plain) = ("Zoë Łukasz Žižek", "Zoe Lukasz Zizek");
+        assert!(width(accented) == width(plain) && lines(accented).eq(lines(plain)));
+    }
+}
