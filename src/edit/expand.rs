@@ -23,60 +23,126 @@ pub struct Expansion {
 /// Expands every constraint of `scene`, whose characters have the rest paths `rests`.
 pub fn expand(scene: &Scene, rests: &[RestPath]) -> Expansion {
     let mut expansion = Expansion::default();
-    for (index, constraint) in scene.constraints.iter().enumerate() {
-        let id = ConstraintId::from_usize(index);
-        match &constraint.kind {
-            ConstraintKind::Pin { when, .. } => {
-                for (frame, share) in samples(scene, when) {
-                    let at = place(scene, rests, when, frame);
-                    let strength = shared(constraint.strength, share);
-                    push_pin(&mut expansion.held, id, strength, at, &constraint.kind);
-                }
-            }
-            ConstraintKind::Relative { when, partner, .. } => {
-                for (frame, to, share) in pairs(scene, when, partner) {
-                    let at = place(scene, rests, when, frame);
-                    let to = to.map(|(when, frame)| place(scene, rests, when, frame));
-                    let strength = shared(constraint.strength, share);
-                    push_relative(
-                        &mut expansion.held,
-                        id,
-                        strength,
-                        (at, to),
-                        (constraint, &scene.objects, rests),
-                    );
-                }
-            }
-            ConstraintKind::Time { at, seconds } => {
-                let at = time_point(scene, at);
-                let strength = constraint.strength;
-                expansion.times.push(TimeRow {
-                    constraint: id,
-                    strength,
-                    at,
-                    minus: None,
-                    seconds: *seconds,
-                });
-            }
-            ConstraintKind::Duration { from, to, seconds } => {
-                let (at, minus) = (time_point(scene, to), Some(time_point(scene, from)));
-                let strength = constraint.strength;
-                expansion.times.push(TimeRow { constraint: id, strength, at, minus, seconds: *seconds });
-            }
-            ConstraintKind::Sync { moments, offset } => {
-                for other in &moments[1..] {
-                    push_sync(
-                        &mut expansion.times,
-                        id,
-                        constraint.strength,
-                        scene,
-                        (&moments[0], other, *offset),
-                    );
-                }
-            }
-        }
+    for (index, Constraint { strength, kind, .. }) in scene.constraints.iter().enumerate() {
+        let constraint = ConstraintId::from_usize(index);
+        expansion.held.extend(holds(scene, rests, kind).into_iter().map(|(hold, share)| HeldRow {
+            constraint,
+            strength: shared(*strength, share),
+            hold,
+        }));
+        expansion.times.extend(ties(scene, kind).into_iter().map(|tie| TimeRow {
+            constraint,
+            strength: shared(*strength, tie.share),
+            at: tie.at,
+            minus: tie.minus,
+            seconds: tie.seconds,
+        }));
     }
     expansion
+}
+
+/// What a spatial constraint holds at each of its samples, with the sample's share of an interval.
+fn holds(scene: &Scene, rests: &[RestPath], kind: &ConstraintKind) -> Vec<(Hold, Option<f64>)> {
+    let mut all = Vec::new();
+    match kind {
+        ConstraintKind::Pin { when, position, facing } => {
+            for (frame, share) in samples(scene, when) {
+                let at = place(scene, rests, when, frame);
+                all.extend(position.map(|target| (Hold::Position { at, target }, share)));
+                all.extend(facing.map(|heading| (Hold::Facing { at, heading }, share)));
+            }
+        }
+        ConstraintKind::Relative { when, partner, offset, facing } => {
+            for (frame, to, share) in pairs(scene, when, partner) {
+                let at = place(scene, rests, when, frame);
+                let frame = match (to, partner) {
+                    (Some((when, frame)), _) => Frame::Body(place(scene, rests, when, frame)),
+                    (None, Partner::Object(object)) => Frame::Object(&scene.objects[object.as_usize()]),
+                    (None, Partner::Character(_)) => continue,
+                };
+                let holds = relative_holds(rests, at, frame, (*offset, *facing));
+                all.extend(holds.into_iter().flatten().map(|hold| (hold, share)));
+            }
+        }
+        ConstraintKind::Time { .. } | ConstraintKind::Duration { .. } | ConstraintKind::Sync { .. } => {}
+    }
+    all
+}
+
+/// Whose facing and place a relative constraint counts from.
+enum Frame<'a> {
+    Body(Place),
+    Object(&'a Object),
+}
+
+fn relative_holds(
+    rests: &[RestPath],
+    at: Place,
+    frame: Frame,
+    (offset, facing): (Relation<c64>, Relation<f64>),
+) -> [Option<Hold>; 2] {
+    let (origin, heading) = match frame {
+        Frame::Body(to) => (rest_point(rests, to), to.heading),
+        Frame::Object(object) => (object.position, object.facing),
+    };
+    let before = (rest_point(rests, at) - origin) * cis(-heading);
+    let offset = value(offset, before);
+    let angle = value(facing, at.heading - heading);
+    match frame {
+        Frame::Body(to) => [
+            offset.map(|offset| Hold::Offset { at, to, offset }),
+            angle.map(|angle| Hold::RelativeFacing { at, to, angle }),
+        ],
+        Frame::Object(_) => [
+            offset.map(|offset| Hold::Position { at, target: origin + cis(heading) * offset }),
+            angle.map(|angle| Hold::Facing { at, heading: heading + angle }),
+        ],
+    }
+}
+
+/// The value that a relation holds, if any; `before`: the one before the edit.
+fn value<T>(relation: Relation<T>, before: T) -> Option<T> {
+    match relation {
+        Relation::Given(value) => Some(value),
+        Relation::AsBefore => Some(before),
+        Relation::Free => None,
+    }
+}
+
+/// What a temporal constraint ties at one of its samples.
+struct Tie {
+    at: TimePoint,
+    minus: Option<TimePoint>,
+    seconds: f64,
+    share: Option<f64>,
+}
+
+fn ties(scene: &Scene, kind: &ConstraintKind) -> Vec<Tie> {
+    match kind {
+        ConstraintKind::Time { at, seconds } => {
+            vec![Tie { at: time_point(scene, at), minus: None, seconds: *seconds, share: None }]
+        }
+        ConstraintKind::Duration { from, to, seconds } => {
+            let minus = Some(time_point(scene, from));
+            vec![Tie { at: time_point(scene, to), minus, seconds: *seconds, share: None }]
+        }
+        ConstraintKind::Sync { moments, offset } => {
+            moments[1..].iter().flat_map(|other| sync_ties(scene, &moments[0], other, *offset)).collect()
+        }
+        ConstraintKind::Pin { .. } | ConstraintKind::Relative { .. } => Vec::new(),
+    }
+}
+
+/// Ties of two moments, or of two intervals sample by sample.
+fn sync_ties(scene: &Scene, first: &When, other: &When, seconds: f64) -> Vec<Tie> {
+    let partner = Partner::Character(other.clone());
+    let tie = |(frame, to, share): PairSample| Tie {
+        at: TimePoint { track: first.character().as_usize(), frame },
+        minus: to.map(|(when, frame)| TimePoint { track: when.character().as_usize(), frame }),
+        seconds,
+        share,
+    };
+    pairs(scene, first, &partner).into_iter().map(tie).collect()
 }
 
 /// Frame on its character's track of a moment.
@@ -162,78 +228,6 @@ fn place(scene: &Scene, rests: &[RestPath], when: &When, frame: f64) -> Place {
 /// Point of the rest motion at a place.
 fn rest_point(rests: &[RestPath], place: Place) -> c64 {
     path::at(&rests[place.path].positions, place.frame) + place.detail
-}
-
-fn push_pin(
-    held: &mut Vec<HeldRow>,
-    constraint: ConstraintId,
-    strength: Strength,
-    at: Place,
-    kind: &ConstraintKind,
-) {
-    let ConstraintKind::Pin { position, facing, .. } = kind else { return };
-    let holds = [
-        position.map(|target| Hold::Position { at, target }),
-        facing.map(|heading| Hold::Facing { at, heading }),
-    ];
-    held.extend(holds.into_iter().flatten().map(|hold| HeldRow { constraint, strength, hold }));
-}
-
-fn push_relative(
-    held: &mut Vec<HeldRow>,
-    id: ConstraintId,
-    strength: Strength,
-    (at, to): (Place, Option<Place>),
-    (constraint, objects, rests): (&Constraint, &[Object], &[RestPath]),
-) {
-    let ConstraintKind::Relative { partner, offset, facing, .. } = &constraint.kind else { return };
-    let own = rest_point(rests, at);
-    let frame = |place: Option<Place>| match (place, partner) {
-        (Some(to), _) => (rest_point(rests, to), to.heading),
-        (None, Partner::Object(object)) => {
-            let object = &objects[object.as_usize()];
-            (object.position, object.facing)
-        }
-        (None, Partner::Character(_)) => (c64::default(), 0.0),
-    };
-    let (origin, heading) = frame(to);
-    let offset = match offset {
-        Relation::Given(offset) => Some(*offset),
-        Relation::AsBefore => Some((own - origin) * cis(-heading)),
-        Relation::Free => None,
-    };
-    let angle = match facing {
-        Relation::Given(angle) => Some(*angle),
-        Relation::AsBefore => Some(at.heading - heading),
-        Relation::Free => None,
-    };
-    let holds = match to {
-        Some(to) => [
-            offset.map(|offset| Hold::Offset { at, to, offset }),
-            angle.map(|angle| Hold::RelativeFacing { at, to, angle }),
-        ],
-        None => [
-            offset.map(|offset| Hold::Position { at, target: origin + cis(heading) * offset }),
-            angle.map(|angle| Hold::Facing { at, heading: heading + angle }),
-        ],
-    };
-    held.extend(holds.into_iter().flatten().map(|hold| HeldRow { constraint: id, strength, hold }));
-}
-
-/// Rows that tie two moments, or two intervals sample by sample.
-fn push_sync(
-    times: &mut Vec<TimeRow>,
-    constraint: ConstraintId,
-    strength: Strength,
-    scene: &Scene,
-    (first, other, seconds): (&When, &When, f64),
-) {
-    let partner = Partner::Character(other.clone());
-    for (frame, to, share) in pairs(scene, first, &partner) {
-        let at = TimePoint { track: first.character().as_usize(), frame };
-        let minus = to.map(|(when, frame)| TimePoint { track: when.character().as_usize(), frame });
-        times.push(TimeRow { constraint, strength: shared(strength, share), at, minus, seconds });
-    }
 }
 
 /// Sets the numbers of `row` anew from its constraint, whose structure has not changed; `true` if coefficients changed
