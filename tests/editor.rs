@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use cotillion::edit::spatial::Miss;
+use cotillion::edit::clash::Miss;
 use cotillion::edit::{Edit, EditError, EditNote, Editor, Target};
 use cotillion::geometry::{c64, cis, plan_of, wrap};
 use cotillion::index::ConstraintId;

@@ -5,9 +5,10 @@
 //! energy of case V (digits `354` for `834`), p̄150 of case R (its real part) and the largest bend without a floor.
 
 use cotillion::constraint::Strength;
+use cotillion::edit::clash::Miss;
 use cotillion::edit::hold::{HeldRow, Hold, Place, Prepared};
 use cotillion::edit::settings::{RelativeMode, RunMode, SpatialSettings};
-use cotillion::edit::spatial::{Miss, SpatialComponent, SpatialError};
+use cotillion::edit::spatial::{SpatialComponent, SpatialError};
 use cotillion::geometry::{c64, cis};
 use cotillion::index::ConstraintId;
 use cotillion::path::RestPath;

@@ -2,7 +2,7 @@
 
 use cotillion_solvers::{BoundsError, KktError};
 
-use crate::edit::spatial::Miss;
+use crate::edit::clash::Miss;
 
 /// A constraint as its author knows it.
 #[derive(Clone, Debug, PartialEq)]

@@ -11,6 +11,7 @@ pub mod hold;
 pub mod reference;
 pub mod bodies;
 pub mod columns;
+pub mod clash;
 pub mod gauge;
 pub mod assemble;
 pub mod phase;

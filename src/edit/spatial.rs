@@ -4,15 +4,15 @@
 //! right-hand sides, substitutions and one pass over the frames. Source: Kim et al. 2009, §4.1–4.2, in the forms that
 //! the module docs of `assemble`, `hold` and `gauge` give.
 
-use cotillion_solvers::{KktError, RowMatrix, analyse_rank};
+use cotillion_solvers::KktError;
 
 use crate::edit::assemble::Source;
 use crate::edit::bodies::{first_disagreement, leave_to_the_body};
-use crate::edit::columns::Columns;
+use crate::edit::clash::{self, Miss};
 use crate::edit::hold::{Direction, Hold, Phase, Prepared, Rotations, run_chord};
 use crate::edit::phase::PhaseSolver;
 use crate::edit::reference::reference_translations;
-use crate::edit::settings::{FacingMode, RunMode, SpatialSettings};
+use crate::edit::settings::{FacingMode, SpatialSettings};
 use crate::geometry::{c64, cis};
 use crate::index::ConstraintId;
 use crate::path::{RestPath, SegmentFactors};
@@ -28,24 +28,6 @@ pub struct SpatialEnergy {
     pub scale: f64,
     /// … of the soft constraints in the scale phase.
     pub scale_soft: f64,
-}
-
-/// By how much hard constraints miss each other.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Miss {
-    /// Places.
-    Metres(f64),
-    /// Facings.
-    Radians(f64),
-}
-
-impl std::fmt::Display for Miss {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        match self {
-            Self::Metres(metres) => write!(f, "{metres:.6} m"),
-            Self::Radians(radians) => write!(f, "{:.4} degrees", radians.to_degrees()),
-        }
-    }
 }
 
 /// Why a group of characters has no edit.
@@ -363,58 +345,14 @@ impl SpatialComponent {
 
     /// Releases the stationary stretches that the contradicting rows touch; without any, that is a conflict.
     fn clash(&self, rows: &[usize], miss: f64) -> Result<Attempt, SpatialError> {
-        let mut runs: Vec<(usize, usize)> = Vec::new();
-        for row in rows {
-            let hold = self.held[*row].row.hold;
-            for place in std::iter::once(hold.at()).chain(hold.to()) {
-                let rest = &self.rests[place.path];
-                let touched =
-                    rest.rigid.iter().position(|(a, b)| *a as f64 <= place.frame && place.frame <= *b as f64);
-                runs.extend(touched.map(|run| (place.path, run)));
-            }
-        }
+        let clashing: Vec<&Prepared> = rows.iter().map(|row| &self.held[*row]).collect();
+        let mut runs = clash::touched_runs(&self.rests, &clashing);
         runs.retain(|run| !self.released.contains(run));
-        runs.sort_unstable();
-        runs.dedup();
-        if !runs.is_empty() && !self.clashes_without_runs(rows) {
+        if !runs.is_empty() && !clash::is_irreducible(&self.rests, &clashing, self.settings.relative) {
             return Ok(Attempt::Release(runs));
         }
-        let mut constraints: Vec<ConstraintId> =
-            rows.iter().map(|row| self.held[*row].row.constraint).collect();
-        constraints.sort_unstable();
-        constraints.dedup();
-        Err(SpatialError::Conflict { constraints, miss: self.miss_of(rows, miss) })
-    }
-
-    /// What a contradiction of direction vectors by `metres` means: an angle, where only facings clash.
-    fn miss_of(&self, rows: &[usize], metres: f64) -> Miss {
-        let lengths = rows.iter().map(|row| {
-            let prepared = &self.held[*row];
-            prepared.at.filter(|_| prepared.row.hold.is_direction()).map(|direction| direction.rest.norm())
-        });
-        match lengths.collect::<Option<Vec<f64>>>().and_then(|lengths| lengths.into_iter().reduce(f64::max)) {
-            Some(length) => Miss::Radians(2.0 * (metres / (2.0 * length)).min(1.0).asin()),
-            None => Miss::Metres(metres),
-        }
-    }
-
-    /// Whether rows would contradict each other even if every frame were free: two targets for one instant.
-    fn clashes_without_runs(&self, rows: &[usize]) -> bool {
-        let counts: Vec<usize> = self.rests.iter().map(RestPath::len).collect();
-        let columns = Columns::new(
-            &self.rests.iter().map(|rest| RestPath { rigid: Vec::new(), ..rest.clone() }).collect::<Vec<_>>(),
-            Phase::Scale,
-            RunMode::Similar,
-            &[],
-        );
-        let mut matrix = RowMatrix::new(columns.count);
-        for row in rows {
-            let terms = self.held[*row].terms(Phase::Shape, self.settings.relative, &counts);
-            let mut values = Vec::new();
-            columns.expand(&terms, &mut values, &mut Vec::new());
-            matrix.push_row(&values);
-        }
-        !analyse_rank(&matrix.to_csr()).dependent.is_empty()
+        let constraints = unique(clashing.iter().map(|prepared| prepared.row.constraint).collect());
+        Err(SpatialError::Conflict { constraints, miss: clash::miss_of(&clashing, miss) })
     }
 
     /// Constraints with hard rows that others imply, in either phase.
