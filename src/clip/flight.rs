@@ -1,6 +1,6 @@
 //! Frames in which nothing touches the ground.
 //!
-//! Source: `spec/physics-touch-up.md` §11.2 (labels) and §6 (a contact label makes ground; repair). Beyond it: other joints than the feet count as touching when
+//! A contact label makes ground, and short flights are repaired. Other joints than the feet count as touching when
 //! they are near the floor (hands of a cartwheel, a rolling back), and a run whose body does not fall is no flight but
 //! support on something higher (a slope, a step, a seat).
 

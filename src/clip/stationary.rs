@@ -1,6 +1,6 @@
 //! Stretches in which a body stays where it is: standing, sitting, turning on the spot.
 //!
-//! Source: `spec/laplacian-editing.md` §7.
+//! Source: Kim et al. 2009, §4.1, for the idea; the thresholds were measured on captures.
 
 use crate::clip::contacts::{FootContacts, drop_short, fill_gaps, runs};
 use crate::clip::working::WORKING_STEP;
