@@ -235,6 +235,35 @@ fn who_stands_can_look_at_two_places_in_turn() {
 }
 
 #[test]
+fn a_stand_that_was_pulled_apart_is_whole_again_when_the_drag_returns() {
+    let text = "[clips]\nidle = \"builtin:idle\"\n[[character]]\nname = \"a\"\ntrack = [\"idle\"]\nposition = [0.0, 0.0]\n\
+                [[pin]]\nname = \"first\"\nat = \"a:0\"\nposition = [0.0, 0.0]\nstrength = \"hard\"\n\
+                [[pin]]\nname = \"last\"\nat = \"a:90\"\nposition = [0.0, 0.0]\nstrength = \"hard\"\n";
+    let released = |edit: &Edit| edit.notes.iter().any(|note| matches!(note, EditNote::Released { .. }));
+    let mut editor = editor(text);
+    let before = editor.solve().expect("the clip ends where it began").clone();
+    let apart = drag(&mut editor, "last", Target::Position(c64::new(0.5, 0.0)));
+    assert!(!released(&before) && released(&apart));
+    assert!((apart.characters[0].positions[90] - c64::new(0.5, 0.0)).norm() < ROUNDING);
+    let again = drag(&mut editor, "last", Target::Position(c64::new(0.6, 0.1)));
+    assert!(released(&again));
+    assert!(drag(&mut editor, "last", Target::Position(c64::default())) == before);
+}
+
+#[test]
+fn a_failed_solve_leaves_the_last_result() {
+    let clash = format!("{THREE}\n[[pin]]\nat = \"bo:start\"\nposition = [6.0, 0.0]\nstrength = \"hard\"\n");
+    let mut clashing = Editor::new(scene(&clash)).expect("regular");
+    clashing.solve().expect("the two pins agree at first");
+    let known = clashing.edit().clone();
+    let (when, pin) = (id(&clashing, "when"), id(&clashing, "bo starts"));
+    clashing.move_target(when, Target::Seconds(9.0)).expect("a time");
+    clashing.move_target(pin, Target::Position(c64::new(5.0, 5.0))).expect("a place");
+    assert!(clashing.solve().is_err());
+    assert!(*clashing.edit() == known);
+}
+
+#[test]
 fn offsets_follow_a_body_that_turns_on_the_spot() {
     let text = "[clips]\nidle = \"builtin:idle\"\nwalk = \"builtin:walk\"\n\
                 [[character]]\nname = \"a\"\ntrack = [\"idle\"]\n[[character]]\nname = \"b\"\ntrack = [\"walk\"]\n\

@@ -2,6 +2,7 @@
 
 use crate::constraint::Strength;
 use crate::edit::hold::{Place, Prepared, Rotations};
+use crate::geometry::c64;
 use crate::path::RestPath;
 
 /// Facings agree if they differ by no more than this, radians.
@@ -51,4 +52,28 @@ pub fn first_disagreement(held: &[Prepared], rotations: &[Rotations]) -> Option<
         let clash = a.0 == b.0 && (a.1 - b.1).abs() < SAME_MOMENT && apart > AGREEMENT;
         clash.then_some(([pair[0], pair[1]], apart))
     })
+}
+
+/// Gives partners without direction the rotation that a relative facing of their own decided, and tells whether one
+/// changed. `paths`: how many there are.
+pub fn spread_still_rotations(held: &[Prepared], all: &mut [Rotations], paths: usize) -> bool {
+    let mut decided: Vec<Option<c64>> = vec![None; paths];
+    for (prepared, rotations) in held.iter().zip(&*all).rev() {
+        if prepared.at.is_none() && prepared.row.hold.is_direction() {
+            decided[prepared.row.hold.at().path] = Some(rotations.at);
+        }
+    }
+    let mut changed = false;
+    for (rotations, prepared) in all.iter_mut().zip(held) {
+        if let (None, Some(rotation)) = (prepared.at, decided[prepared.row.hold.at().path]) {
+            changed |= rotations.at != rotation;
+            rotations.at = rotation;
+        }
+        let partner = prepared.row.hold.to().filter(|_| prepared.to.is_none());
+        if let Some(rotation) = partner.and_then(|to| decided[to.path]) {
+            changed |= rotations.to != rotation;
+            rotations.to = rotation;
+        }
+    }
+    changed
 }

@@ -198,11 +198,12 @@ impl Editor {
     /// Solves times, then paths, for the present targets. Cost: linear in frames.
     ///
     /// # Errors
-    /// Contradicting hard constraints, hard times that the bounds do not allow, or a solver that gives up; the result of
-    /// the last solve that succeeded is lost.
+    /// Contradicting hard constraints, hard times that the bounds do not allow, or a solver that gives up; then
+    /// [`Editor::edit`] is still the result of the last solve that succeeded.
     pub fn solve(&mut self) -> Result<&Edit, EditError> {
         self.solve_times()?;
         self.solve_paths()?;
+        self.take_results();
         self.update_turns();
         self.update_energy();
         self.edit.notes = self.notes();
@@ -215,7 +216,6 @@ impl Editor {
         for (group, result) in self.temporal.iter().zip(results) {
             result.map_err(|error| time_error(&self.scene, &group.characters, error))?;
             for (times, character) in group.component.times.iter().zip(&group.characters) {
-                self.edit.characters[*character].times.clone_from(times);
                 if let Some(frame) = times.windows(2).position(|pair| pair[1] <= pair[0]) {
                     let character = self.scene.characters[*character].name.clone();
                     return Err(EditError::BackwardTime { character, frame });
@@ -230,11 +230,22 @@ impl Editor {
             self.spatial.par_iter_mut().map(|group| group.component.solve()).collect();
         for (group, result) in self.spatial.iter().zip(results) {
             result.map_err(|error| space_error(&self.scene, &group.characters, error))?;
+        }
+        Ok(())
+    }
+
+    /// Copies times and paths, once all are solved.
+    fn take_results(&mut self) {
+        for group in &self.temporal {
+            for (times, character) in group.component.times.iter().zip(&group.characters) {
+                self.edit.characters[*character].times.clone_from(times);
+            }
+        }
+        for group in &self.spatial {
             for (edited, character) in group.component.edited.iter().zip(&group.characters) {
                 self.edit.characters[*character].positions.clone_from(edited);
             }
         }
-        Ok(())
     }
 
     /// Turns of all bodies, and in the blended mode what held facings still need.

@@ -7,7 +7,7 @@
 use cotillion_solvers::KktError;
 
 use crate::edit::assemble::Source;
-use crate::edit::bodies::{first_disagreement, leave_to_the_body};
+use crate::edit::bodies::{first_disagreement, leave_to_the_body, spread_still_rotations};
 use crate::edit::clash::{self, Miss};
 use crate::edit::hold::{Direction, Hold, Phase, Prepared, Rotations, run_chord};
 use crate::edit::phase::PhaseSolver;
@@ -44,6 +44,9 @@ pub enum SpatialError {
     Solver(Phase, KktError),
 }
 
+/// Stationary stretches: path, position in its list; rising.
+pub type Runs = Vec<(usize, usize)>;
+
 /// One connected group of characters with its factored systems and its present result.
 pub struct SpatialComponent {
     /// Rest paths.
@@ -51,7 +54,7 @@ pub struct SpatialComponent {
     /// Held rows; places name paths of this component. Targets may change, structure may not.
     pub held: Vec<Prepared>,
     /// Stationary stretches that had to give up their rigidity: path, position in its list.
-    pub released: Vec<(usize, usize)>,
+    pub released: Runs,
     /// Paths after the shape phase.
     pub shaped: Vec<Vec<c64>>,
     /// Segment factors of the shape phase.
@@ -67,13 +70,18 @@ pub struct SpatialComponent {
     chords: Vec<Vec<(Direction, usize)>>,
     shape: PhaseSolver,
     scale: PhaseSolver,
+    /// Systems with other stretches released than the present ones, with these stretches.
+    others: Vec<(Runs, [PhaseSolver; 2])>,
     rescaled: Vec<Vec<c64>>,
 }
+
+/// So many systems with other stretches released are kept.
+const MOST_KEPT: usize = 4;
 
 /// What came of one attempt.
 enum Attempt {
     Done,
-    Release(Vec<(usize, usize)>),
+    Release(Runs),
 }
 
 impl SpatialComponent {
@@ -97,12 +105,31 @@ impl SpatialComponent {
             settings,
             shape,
             scale,
+            others: Vec::new(),
         }
     }
 
     /// Assembles anew after coefficients of held rows have changed (an offset, not a target).
     pub fn reassemble(&mut self) {
+        self.others.clear();
         [self.shape, self.scale] = assemble_both(&self.rests, &self.held, &self.settings, &self.released);
+    }
+
+    /// Goes over to the systems with the stretches `released`, which are kept once they are assembled.
+    fn release(&mut self, released: Runs) {
+        if released == self.released {
+            return;
+        }
+        let known = self.others.iter().position(|(others, _)| *others == released);
+        let [shape, scale] = match known {
+            Some(place) => self.others.swap_remove(place).1,
+            None => assemble_both(&self.rests, &self.held, &self.settings, &released),
+        };
+        let before = [std::mem::replace(&mut self.shape, shape), std::mem::replace(&mut self.scale, scale)];
+        self.others.push((std::mem::replace(&mut self.released, released), before));
+        if self.others.len() > MOST_KEPT {
+            self.others.remove(0);
+        }
     }
 
     /// Factors both systems unless that is done; [`SpatialComponent::solve`] does it where it was not.
@@ -114,18 +141,21 @@ impl SpatialComponent {
         self.scale.factor().map_err(|error| SpatialError::Solver(Phase::Scale, error))
     }
 
-    /// Solves both phases for the present targets. Cost: linear in frames.
+    /// Solves both phases for the present targets. Cost: linear in frames. Every stretch is rigid to begin with, so that
+    /// the result does not depend on earlier targets.
     ///
     /// # Errors
     /// [`SpatialError::Conflict`] where hard rows contradict each other; a stationary stretch that is the cause is
     /// released first.
     pub fn solve(&mut self) -> Result<(), SpatialError> {
+        self.release(Vec::new());
         loop {
             match self.attempt()? {
                 Attempt::Done => return Ok(()),
-                Attempt::Release(runs) => {
-                    self.released.extend(runs);
-                    self.reassemble();
+                Attempt::Release(mut runs) => {
+                    runs.extend(&self.released);
+                    runs.sort_unstable();
+                    self.release(runs);
                 }
             }
         }
@@ -137,7 +167,9 @@ impl SpatialComponent {
             return Ok(release);
         }
         if self.update_rotations() {
-            self.solve_shape()?;
+            if let Some(release) = self.solve_shape()? {
+                return Ok(release);
+            }
             self.update_rotations();
         }
         self.check_bodies()?;
@@ -184,7 +216,7 @@ impl SpatialComponent {
             }
         }
         let partners = self.update_body_partners();
-        (turned && self.spread_still_rotations()) || partners
+        (turned && spread_still_rotations(&self.held, &mut self.rotations, self.rests.len())) || partners
     }
 
     /// Hard facings that are left to one body at one moment must agree.
@@ -206,29 +238,6 @@ impl SpatialComponent {
                 let rotation = self.rotations[partner].at;
                 changed |= (self.rotations[row].to - rotation).norm() > 1e-12;
                 self.rotations[row].to = rotation;
-            }
-        }
-        changed
-    }
-
-    /// Gives partners without direction the rotation that a relative facing of their own decided.
-    fn spread_still_rotations(&mut self) -> bool {
-        let mut decided: Vec<Option<c64>> = vec![None; self.rests.len()];
-        for (prepared, rotations) in self.held.iter().zip(&self.rotations).rev() {
-            if prepared.at.is_none() && prepared.row.hold.is_direction() {
-                decided[prepared.row.hold.at().path] = Some(rotations.at);
-            }
-        }
-        let mut changed = false;
-        for (rotations, prepared) in self.rotations.iter_mut().zip(&self.held) {
-            if let (None, Some(rotation)) = (prepared.at, decided[prepared.row.hold.at().path]) {
-                changed |= rotations.at != rotation;
-                rotations.at = rotation;
-            }
-            let partner = prepared.row.hold.to().filter(|_| prepared.to.is_none());
-            if let Some(rotation) = partner.and_then(|to| decided[to.path]) {
-                changed |= rotations.to != rotation;
-                rotations.to = rotation;
             }
         }
         changed
