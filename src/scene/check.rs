@@ -5,7 +5,6 @@ use std::path::Path;
 use std::sync::Arc;
 
 use crate::constraint::{Constraint, Instant};
-use crate::index::CharacterId;
 use crate::scene::checker::{Checked, FARTHEST, check_intervals, plan_point};
 use crate::scene::clips::{self, ClipFolders, Declared, Folders, check_name, within};
 use crate::scene::constraints;
@@ -174,11 +173,8 @@ fn characters(raw: &raw::Scene, cast: &[Member], checked: &Checked, report: &mut
         .tables()
         .iter()
         .zip(cast)
-        .enumerate()
-        .map(|(index, (character, member))| {
-            let protected = protected(CharacterId::from_usize(index), &checked.constraints);
-            track(&character.value, member, &protected, report)
-        })
+        .zip(protected(cast.len(), &checked.constraints))
+        .map(|((character, member), protected)| track(&character.value, member, &protected, report))
         .collect();
     check_intervals(checked, cast, &tracks, report);
     cast.iter()
@@ -190,20 +186,19 @@ fn characters(raw: &raw::Scene, cast: &[Member], checked: &Checked, report: &mut
         .collect()
 }
 
-/// Frames of `character` that moments name.
-fn protected(character: CharacterId, constraints: &[Constraint]) -> Vec<Protected> {
-    constraints
-        .iter()
-        .flat_map(|constraint| constraint.kind.moments())
-        .filter(|moment| moment.character == character)
-        .filter_map(|moment| match moment.instant {
-            Instant::Frame { entry, working } => {
-                let moment = moment.name.clone();
-                Some(Protected { entry, working, moment })
-            }
-            _ => None,
-        })
-        .collect()
+/// Frames that moments name, of each of `count` characters.
+fn protected(count: usize, constraints: &[Constraint]) -> Vec<Vec<Protected>> {
+    let mut frames = vec![Vec::new(); count];
+    for moment in constraints.iter().flat_map(|constraint| constraint.kind.moments()) {
+        if let Instant::Frame { entry, working } = moment.instant {
+            frames[moment.character.as_usize()].push(Protected {
+                entry,
+                working,
+                moment: moment.name.clone(),
+            });
+        }
+    }
+    frames
 }
 
 fn track(
