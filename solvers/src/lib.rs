@@ -37,6 +37,7 @@ pub use error::{BoundsError, KktError, Solution, SolveReport};
 pub use kkt::{Analysis, Factor, Workspace, analyse, solve};
 pub use least_squares::LeastSquares;
 pub use nalgebra::{DMatrix, DVector};
+pub use points::{PointRow, PointTerm};
 pub use quadratic::{BoundedQp, BoundedSolution};
 pub use rank::{Dependency, RankReport, analyse_rank};
 pub use scalar::{Scalar, TwoPart};
@@ -51,12 +52,14 @@ mod error;
 mod kkt;
 mod least_squares;
 mod lu;
+mod points;
 mod quadratic;
 mod rank;
 mod refine;
 mod scalar;
 mod sparse;
 mod stretch;
+pub mod workload;
 
 /// Complex number of two `f64`.
 #[allow(non_camel_case_types, reason = "written like f64, which it stands beside")]

@@ -29,6 +29,16 @@ pub enum RunMode {
     Similar,
 }
 
+/// Which solver answers.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Backend {
+    /// Exact reduction to the constrained frames: the default.
+    #[default]
+    Reduced,
+    /// Sparse LU of all frames: the reference.
+    Direct,
+}
+
 /// Settings of the spatial phases.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SpatialSettings {
