@@ -31,9 +31,12 @@
 //! ```
 
 pub use augmented::KktForm;
+pub use bent::Bent;
 pub use bounds::{BoundMethod, solve_bounded};
+pub use compliance::{Compliance, ComplianceAnalysis, ComplianceFactor};
 pub use difference::{Difference, DifferenceError, NodeBounds, node_bounds};
 pub use error::{BoundsError, KktError, Solution, SolveReport};
+pub use free::{Combination, free_combinations};
 pub use kkt::{Analysis, Factor, Workspace, analyse, solve};
 pub use least_squares::LeastSquares;
 pub use nalgebra::{DMatrix, DVector};
@@ -42,22 +45,28 @@ pub use quadratic::{BoundedQp, BoundedSolution};
 pub use rank::{Dependency, RankReport, analyse_rank};
 pub use scalar::{Scalar, TwoPart};
 pub use sparse::{RowMatrix, multiply};
+pub use springs::{Load, Moments, SpringPath, State};
 pub use sprs::CsMat;
 
 mod augmented;
+mod bent;
 mod bounds;
 mod clamp;
+mod compliance;
 mod difference;
 mod error;
+mod free;
 mod kkt;
 mod least_squares;
 mod lu;
+mod path_loads;
 mod points;
 mod quadratic;
 mod rank;
 mod refine;
 mod scalar;
 mod sparse;
+mod springs;
 mod stretch;
 pub mod workload;
 

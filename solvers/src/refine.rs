@@ -54,6 +54,16 @@ impl<T: Scalar> RefinedLu<T> {
         RefineScratch { residual: vec![T::zero(); size], lu: self.lu.scratch() }
     }
 
+    /// Memory for [`RefinedLu::substitute`].
+    pub(crate) fn lu_scratch(&self) -> LuScratch {
+        self.lu.scratch()
+    }
+
+    /// Replaces `b` by the solution of `K x = b`, not refined: for callers who know better residuals than the matrix gives.
+    pub(crate) fn substitute(&self, b: &mut [T], scratch: &mut LuScratch) {
+        self.lu.solve_in_place(b, scratch);
+    }
+
     /// Solves `K x = b`. `watched`: the unknowns whose accuracy decides how often to refine. The solution may still be
     /// nonsense if `K` is nearly singular; whoever knows the problem must check its residual.
     pub(crate) fn solve(

@@ -1,0 +1,241 @@
+//! Solves of the compliance form: multipliers by substitution, refined against the springs; then one pass over the points.
+
+use crate::c64;
+use crate::compliance::{Compliance, ComplianceFactor};
+use crate::error::{KktError, SolveReport};
+use crate::lu::LuScratch;
+use crate::refine::{largest, relative_to};
+use crate::springs::{Load, State};
+
+/// Refinement ends when the next correction is expected to move points by less than this, relative to the farthest.
+const CORRECTION_GOAL: f64 = 1e-15;
+/// Most refinements of one solve.
+const MOST_REFINEMENTS: usize = 6;
+/// Solutions that miss their rows by more, relative to the targets, are refused.
+const ALLOWED_RESIDUAL: f64 = 1e-9;
+
+/// Bent paths, as loads and states at the constrained points: everything in between is known from these. Holds the memory
+/// of solves; nothing else is allocated.
+pub struct Bent {
+    /// Multipliers, one a row.
+    lambda: Vec<c64>,
+    /// Multipliers, similarities and multipliers of free motions, of the scaled system.
+    unknowns: Vec<c64>,
+    residual: Vec<c64>,
+    values: Vec<c64>,
+    /// First node of each path in `loads` and `states`; one more entry closes the last.
+    starts: Vec<usize>,
+    loads: Vec<Load>,
+    states: Vec<State>,
+    /// State of the first point of each path.
+    origins: Vec<State>,
+    scratch: LuScratch,
+}
+
+impl Bent {
+    /// Memory for solves of `problem` with `factor`; all paths at zero.
+    pub fn new(problem: &Compliance, factor: &ComplianceFactor) -> Self {
+        let mut starts = vec![0];
+        starts.extend(problem.loads.iter().scan(0, |next, loads| {
+            *next += loads.nodes.len();
+            Some(*next)
+        }));
+        let nodes = starts[problem.loads.len()];
+        Self {
+            lambda: vec![c64::default(); problem.rows.len()],
+            unknowns: vec![c64::default(); problem.layout.size],
+            residual: vec![c64::default(); problem.layout.size],
+            values: vec![c64::default(); problem.rows.len()],
+            starts,
+            loads: vec![Load::default(); nodes],
+            states: vec![State::default(); nodes],
+            origins: vec![State::default(); problem.loads.len()],
+            scratch: factor.lu().lu_scratch(),
+        }
+    }
+
+    /// Solves for one target a row. Cost: by rows, but for one pass over the points where motions are free.
+    ///
+    /// # Errors
+    /// [`KktError::ShapeMismatch`] and [`KktError::NotFinite`] for the targets; [`KktError::SolutionNotFinite`] and
+    /// [`KktError::Residual`] if no solution came out.
+    pub fn solve(
+        &mut self,
+        problem: &Compliance,
+        factor: &ComplianceFactor,
+        targets: &[c64],
+    ) -> Result<SolveReport, KktError> {
+        check(problem, targets)?;
+        self.unknowns.fill(c64::default());
+        self.residual.fill(c64::default());
+        self.residual.iter_mut().zip(targets).zip(&problem.scales).for_each(|((r, d), s)| *r = d * s);
+        let scale = largest(&self.residual);
+        let (mut last, mut refinements) = (1.0, 0);
+        for step in 0..=MOST_REFINEMENTS {
+            factor.lu().substitute(&mut self.residual, &mut self.scratch);
+            self.unknowns.iter_mut().zip(&self.residual).for_each(|(u, change)| *u += change);
+            let correction = self.bend_nodes(problem);
+            self.find_residual(problem, targets);
+            let expected = if step == 0 { correction } else { correction * correction / last };
+            refinements = step;
+            if !correction.is_finite() || (step > 0 && (expected <= CORRECTION_GOAL || correction > last)) {
+                last = correction;
+                break;
+            }
+            last = correction;
+        }
+        let relative_residual = self.check_solution(problem, scale)?;
+        self.settle_free_motions(problem);
+        Ok(SolveReport {
+            energy: self.spring_energy(problem) + self.soft_energy(problem),
+            hard_residual: self.hard_residual(problem, targets),
+            relative_residual,
+            last_correction: last,
+            refinements,
+        })
+    }
+
+    /// Loads and states at all nodes from the unknowns; how far points moved, relative to the farthest.
+    fn bend_nodes(&mut self, problem: &Compliance) -> f64 {
+        for ((lambda, unknown), scale) in self.lambda.iter_mut().zip(&self.unknowns).zip(&problem.scales) {
+            *lambda = unknown * (scale / problem.unit);
+        }
+        let (mut moved, mut farthest) = (0.0_f64, 0.0_f64);
+        for (path, loads) in problem.loads.iter().enumerate() {
+            let nodes = self.starts[path]..self.starts[path + 1];
+            loads.loads_under(&self.lambda, &mut self.loads[nodes.clone()]);
+            let y = &self.unknowns[problem.layout.similarities[path]..problem.layout.similarities[path + 1]];
+            let mut see = |before: c64, after: c64| {
+                moved = moved.max((after - before).norm_sqr());
+                farthest = farthest.max(after.norm_sqr());
+            };
+            self.origins[path] =
+                loads.states_under(y, &self.loads[nodes.clone()], &mut self.states[nodes], &mut see);
+        }
+        relative_to(moved.sqrt(), farthest.sqrt())
+    }
+
+    /// What the equations miss, scaled as the system is.
+    fn find_residual(&mut self, problem: &Compliance, targets: &[c64]) {
+        let layout = &problem.layout;
+        self.values.fill(c64::default());
+        let rest = &mut self.residual[problem.rows.len()..];
+        rest.fill(c64::default());
+        for (path, loads) in problem.loads.iter().enumerate() {
+            loads.add_rows(&self.states[self.starts[path]..self.starts[path + 1]], &mut self.values);
+            let start = layout.similarities[path] - problem.rows.len();
+            loads.visit_similarities(|row, motion, value| {
+                rest[start + motion] -= value.conj() * self.lambda[row] * problem.unit;
+            });
+        }
+        for (index, combination) in problem.free.iter().enumerate() {
+            let column = layout.free + index;
+            for (motion, share) in combination {
+                self.residual[problem.rows.len() + motion] -= share * self.unknowns[column];
+                self.residual[column] -= share.conj() * self.unknowns[problem.rows.len() + motion];
+            }
+        }
+        for (index, row) in problem.rows.iter().enumerate() {
+            let slack = row.weight.map_or(c64::default(), |weight| self.lambda[index] / weight);
+            self.residual[index] = problem.scales[index] * (targets[index] - self.values[index] - slack);
+        }
+    }
+
+    fn check_solution(&self, problem: &Compliance, scale: f64) -> Result<f64, KktError> {
+        if !self.unknowns.iter().all(|u| u.is_finite()) || !self.states.iter().all(|s| s.point.is_finite()) {
+            return Err(KktError::SolutionNotFinite);
+        }
+        let (rows, balance) = self.residual.split_at(problem.rows.len());
+        let forces = largest(&self.unknowns[..problem.rows.len()]);
+        let relative =
+            relative_to(largest(rows), scale).max(relative_to(largest(balance), forces.max(scale)));
+        if relative <= ALLOWED_RESIDUAL {
+            Ok(relative)
+        } else {
+            Err(KktError::Residual { relative, allowed: ALLOWED_RESIDUAL })
+        }
+    }
+
+    fn hard_residual(&self, problem: &Compliance, targets: &[c64]) -> f64 {
+        let hard =
+            problem.rows.iter().zip(&self.values).zip(targets).filter(|((row, _), _)| row.weight.is_none());
+        hard.map(|((_, value), target)| (target - value).norm()).fold(0.0, f64::max)
+    }
+
+    /// Takes off what the springs moved along free motions: no row sees it, and all points together stay nearest to zero.
+    fn settle_free_motions(&mut self, problem: &Compliance) {
+        if problem.free.is_empty() {
+            return;
+        }
+        let first = problem.rows.len();
+        for combination in &problem.free {
+            let mut share = c64::default();
+            let mut known = None;
+            for (motion, value) in combination {
+                let path = problem.layout.similarities.partition_point(|start| *start <= first + motion) - 1;
+                let components = match known {
+                    Some((other, components)) if other == path => components,
+                    _ => self.components(problem, path),
+                };
+                known = Some((path, components));
+                share += value.conj() * components[first + motion - problem.layout.similarities[path]];
+            }
+            for (motion, value) in combination {
+                self.unknowns[first + motion] -= value * share;
+            }
+        }
+        self.bend_nodes(problem);
+    }
+
+    /// Components of a bent path along its similarities.
+    fn components(&self, problem: &Compliance, path: usize) -> [c64; 2] {
+        let centre = problem.loads[path].centre();
+        let (mut sum, mut turned) = (c64::default(), c64::default());
+        let rest = &problem.paths[path];
+        self.expand(problem, path, |j, point, _| {
+            sum += point;
+            turned += (rest.point(j) - centre).conj() * point;
+        });
+        problem.loads[path].components(sum, turned)
+    }
+
+    /// Calls `visit` with every point j of a path, in order: j, `x_j`, and the factor `ζ_j` of the segment after it (at the last point, of
+    /// the one before). Cost: linear in points.
+    pub fn expand(&self, problem: &Compliance, path: usize, mut visit: impl FnMut(usize, c64, c64)) {
+        let (nodes, rest) = (&problem.loads[path].nodes, &problem.paths[path]);
+        let range = self.starts[path]..self.starts[path + 1];
+        let (loads, states) = (&self.loads[range.clone()], &self.states[range]);
+        let (mut from, mut state) = (0, self.origins[path]);
+        for ((node, load), at_node) in nodes.iter().zip(loads).zip(states) {
+            rest.bend(from..*node, state, *load, &mut visit);
+            (from, state) = (*node, *at_node);
+        }
+        rest.bend(from..rest.len(), state, Load::default(), &mut visit);
+    }
+
+    /// `½ Σ |δ_s|²/c_s`.
+    pub fn spring_energy(&self, problem: &Compliance) -> f64 {
+        let own =
+            |path: usize| problem.loads[path].energy(&self.loads[self.starts[path]..self.starts[path + 1]]);
+        (0..problem.loads.len()).map(own).sum()
+    }
+
+    /// `½ Σ w_r |C_r x − d_r|²` of the soft rows.
+    pub fn soft_energy(&self, problem: &Compliance) -> f64 {
+        let soft = |(row, lambda): (&crate::PointRow<c64>, &c64)| {
+            row.weight.map_or(0.0, |weight| 0.5 * lambda.norm_sqr() / weight)
+        };
+        problem.rows.iter().zip(&self.lambda).map(soft).sum()
+    }
+}
+
+fn check(problem: &Compliance, targets: &[c64]) -> Result<(), KktError> {
+    let (expected, actual) = (problem.rows.len(), targets.len());
+    if expected != actual {
+        return Err(KktError::ShapeMismatch { block: "d", side: "rows", expected, actual });
+    }
+    match targets.iter().position(|target| !target.is_finite()) {
+        Some(row) => Err(KktError::NotFinite { block: "d", row }),
+        None => Ok(()),
+    }
+}

@@ -1,0 +1,271 @@
+//! The compliance form: paths as chains of springs, reduced exactly to one unknown per constraint row and two per path.
+//!
+//! `min ½ Σ |δ_s|²/c_s + ½ Σ_soft w_r |C_r x − d_r|²` subject to `C_r x = d_r` for the hard rows, over paths x that
+//! [`springs`](crate::springs) describes. With one multiplier λ a row and the similarity `y = (a, b)` of every path,
+//!
+//! ```text
+//!     | CΓCᴴ + W⁻¹   CZ   0 | | λ |   | d |
+//!     | (CZ)ᴴ        0    Y | | y | = | 0 |        W⁻¹ = diag(1/w), 0 for hard rows
+//!     |  0           Yᴴ   0 | | ν |   | 0 |
+//! ```
+//!
+//! Γ: covariances of points, from the moments of the springs between constrained points; Z: orthonormal similarities of
+//! each path; Y: those combinations of them that no row sees, fixed at the least change of all points. Exact: nothing is
+//! sampled or truncated. The entries between two paths come from the rows that tie them, so a relay stays block-tridiagonal.
+//!
+//! Solutions are refined against the springs themselves, not against the rounded matrix: in O(rows), as points under load
+//! are known without visiting the springs in between.
+//!
+//! Cost: one pass over the springs to assemble, one to expand; all else by rows, quadratic in the rows of one path.
+//!
+//! Source: derived from the shape rows of Kim et al., *Synchronized Multi-Character Motion Editing*, SIGGRAPH 2009, eq. 3,
+//! by the substitution in [`springs`](crate::springs); static condensation as in Przemieniecki, *Theory of Matrix Structural
+//! Analysis* (1968), ch. 9.
+
+use std::sync::Arc;
+
+use rayon::prelude::*;
+
+use crate::c64;
+use crate::error::KktError;
+use crate::free::{Combination, free_combinations};
+use crate::lu::LuOrder;
+use crate::path_loads::PathLoads;
+use crate::points::PointRow;
+use crate::refine::RefinedLu;
+use crate::sparse::Assembly;
+use crate::springs::SpringPath;
+
+/// Springs of several paths and the rows on their points.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Compliance {
+    /// Paths at rest.
+    pub paths: Vec<SpringPath>,
+    /// Rows; hard ones must be independent of each other.
+    pub rows: Vec<PointRow<c64>>,
+    pub(crate) loads: Vec<PathLoads>,
+    pub(crate) layout: Layout,
+    pub(crate) free: Vec<Combination>,
+    positions: Vec<(usize, usize)>,
+    pub(crate) scales: Vec<f64>,
+    /// What the covariances are divided by in the system.
+    pub(crate) unit: f64,
+    data: Vec<c64>,
+}
+
+/// Where the blocks of the system begin.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(crate) struct Layout {
+    /// First unknown of each path's similarity; one more entry closes the last.
+    pub(crate) similarities: Vec<usize>,
+    /// First multiplier of a free motion.
+    pub(crate) free: usize,
+    /// All unknowns.
+    pub(crate) size: usize,
+}
+
+/// Order of elimination, for all problems with the same pattern. Cheap to clone.
+#[derive(Clone, Debug)]
+pub struct ComplianceAnalysis(Arc<Plan>);
+
+#[derive(Debug)]
+struct Plan {
+    assembly: Assembly,
+    order: LuOrder,
+}
+
+/// A factored problem.
+#[derive(Clone, Debug)]
+pub struct ComplianceFactor {
+    lu: RefinedLu<c64>,
+}
+
+/// Paths with more samples than this in all are worked on by all threads.
+pub(crate) const WORTH_THREADS: usize = 20_000;
+
+impl Compliance {
+    /// Moments of the springs, then all entries of the system. Cost: linear in springs, quadratic in the rows of a path.
+    ///
+    /// # Errors
+    /// [`KktError::NotFinite`] for coefficients, weights or points that are not.
+    ///
+    /// # Panics
+    /// If a row names a path or point that does not exist.
+    pub fn new(paths: Vec<SpringPath>, rows: Vec<PointRow<c64>>) -> Result<Self, KktError> {
+        check(&rows)?;
+        let by_path = terms_by_path(paths.len(), &rows);
+        let samples: usize = paths.iter().map(SpringPath::len).sum();
+        let pairs: Vec<_> = paths.iter().zip(by_path).collect();
+        let loads: Vec<PathLoads> = if samples > WORTH_THREADS {
+            pairs.into_par_iter().with_min_len(16).map(|(path, terms)| PathLoads::new(path, terms)).collect()
+        } else {
+            pairs.into_iter().map(|(path, terms)| PathLoads::new(path, terms)).collect()
+        };
+        if !loads.iter().all(PathLoads::is_finite) {
+            return Err(KktError::NotFinite { block: "springs", row: 0 });
+        }
+        let mut problem = Self {
+            paths,
+            rows,
+            loads,
+            layout: Layout::default(),
+            free: Vec::new(),
+            positions: Vec::new(),
+            scales: Vec::new(),
+            unit: 1.0,
+            data: Vec::new(),
+        };
+        problem.lay_out();
+        problem.scale_rows();
+        problem.fill();
+        Ok(problem)
+    }
+
+    /// Number of free motions, which are fixed as at rest.
+    pub fn free_motions(&self) -> usize {
+        self.free.len()
+    }
+
+    /// Unknowns of the reduced system.
+    pub fn unknowns(&self) -> usize {
+        self.layout.size
+    }
+
+    fn lay_out(&mut self) {
+        let mut next = self.rows.len();
+        self.layout.similarities.clear();
+        for loads in &self.loads {
+            self.layout.similarities.push(next);
+            next += loads.motions();
+        }
+        self.layout.similarities.push(next);
+        self.layout.free = next;
+        self.free = free_combinations(&self.motions_seen(), self.rows.len());
+        self.layout.size = next + self.free.len();
+    }
+
+    /// What each row sees of each similarity, rows normalised: by motion.
+    fn motions_seen(&self) -> Vec<Combination> {
+        let first = self.rows.len();
+        let mut lengths = vec![0.0_f64; first];
+        for (length, row) in lengths.iter_mut().zip(&self.rows) {
+            *length = row.terms.iter().map(|(_, _, value)| value.norm_sqr()).sum::<f64>().sqrt();
+        }
+        let mut seen: Vec<Combination> = vec![Vec::new(); self.layout.free - first];
+        for (loads, start) in self.loads.iter().zip(&self.layout.similarities) {
+            loads.visit_similarities(|row, motion, value| {
+                seen[start - first + motion].push((row, value / lengths[row]));
+            });
+        }
+        seen
+    }
+
+    /// Powers of two that bring rows and covariances to about 1.
+    fn scale_rows(&mut self) {
+        let count = self.rows.len();
+        let mut own: Vec<f64> = self.rows.iter().map(|row| row.weight.map_or(0.0, f64::recip)).collect();
+        let mut seen = vec![0.0_f64; count];
+        for loads in &self.loads {
+            loads.visit_variances(|row, variance| own[row] += variance);
+            loads.visit_similarities(|row, _, value| seen[row] += value.norm_sqr());
+        }
+        let sizes = self.rows.iter().map(|row| row.terms.iter().map(|(_, _, c)| c.norm_sqr()).sum::<f64>());
+        let unit = own.iter().zip(sizes).map(|(own, size)| own / size).fold(0.0, f64::max);
+        self.unit = if unit > 0.0 && unit.is_finite() { unit } else { 1.0 };
+        let scale = |(own, seen): (&f64, &f64)| {
+            let size = (own / self.unit).max(*seen).sqrt();
+            if size > 0.0 { size.log2().round().exp2().recip() } else { 1.0 }
+        };
+        self.scales = own.iter().zip(&seen).map(scale).collect();
+    }
+
+    fn fill(&mut self) {
+        let (rows, scales, unit) = (&self.rows, &self.scales, self.unit);
+        let (positions, data) = (&mut self.positions, &mut self.data);
+        let mut put = |row: usize, column: usize, value: c64| {
+            positions.push((row, column));
+            data.push(value);
+        };
+        for (index, row) in rows.iter().enumerate() {
+            let own = row.weight.map_or(0.0, f64::recip) * scales[index] * scales[index] / unit;
+            put(index, index, c64::new(own, 0.0));
+        }
+        for (loads, start) in self.loads.iter().zip(&self.layout.similarities) {
+            loads.visit_covariances(|row, column, value| {
+                let value = value * (scales[row] * scales[column] / unit);
+                put(row, column, value);
+                if row != column {
+                    put(column, row, value.conj());
+                }
+            });
+            loads.visit_similarities(|row, motion, value| {
+                let value = value * scales[row];
+                put(row, start + motion, value);
+                put(start + motion, row, value.conj());
+            });
+        }
+        for (index, combination) in self.free.iter().enumerate() {
+            let column = self.layout.free + index;
+            for (motion, share) in combination {
+                put(rows.len() + motion, column, *share);
+                put(column, rows.len() + motion, share.conj());
+            }
+        }
+    }
+
+    /// Plans the elimination from the pattern.
+    ///
+    /// # Errors
+    /// [`KktError::Singular`] if memory runs out.
+    pub fn analyse(&self) -> Result<ComplianceAnalysis, KktError> {
+        let assembly = Assembly::new(self.layout.size, &self.positions);
+        let order = LuOrder::new(&assembly.pattern).map_err(|_| KktError::Singular)?;
+        Ok(ComplianceAnalysis(Arc::new(Plan { assembly, order })))
+    }
+}
+
+impl ComplianceAnalysis {
+    /// Factors a problem with the pattern of the analysed one.
+    ///
+    /// # Errors
+    /// [`KktError::PatternChanged`]; [`KktError::Singular`] if hard rows depend on each other.
+    pub fn factor(&self, problem: &Compliance) -> Result<ComplianceFactor, KktError> {
+        let plan = &*self.0;
+        if problem.layout.size != plan.assembly.pattern.size || !plan.assembly.takes(problem.data.len()) {
+            return Err(KktError::PatternChanged { block: "C" });
+        }
+        let values = plan.assembly.values(&problem.data);
+        let lu =
+            RefinedLu::new(&plan.assembly.pattern, &plan.order, values).map_err(|_| KktError::Singular)?;
+        Ok(ComplianceFactor { lu })
+    }
+}
+
+impl ComplianceFactor {
+    /// The factored matrix.
+    pub(crate) fn lu(&self) -> &RefinedLu<c64> {
+        &self.lu
+    }
+}
+
+fn check(rows: &[PointRow<c64>]) -> Result<(), KktError> {
+    let sound = |row: &PointRow<c64>| {
+        let weight = row.weight.is_none_or(|weight| weight.is_finite() && weight > 0.0);
+        weight && row.terms.iter().all(|(_, _, value)| value.is_finite())
+    };
+    match rows.iter().position(|row| !sound(row)) {
+        Some(row) => Err(KktError::NotFinite { block: "C", row }),
+        None => Ok(()),
+    }
+}
+
+/// Terms of all rows by path: row, point, coefficient.
+fn terms_by_path(paths: usize, rows: &[PointRow<c64>]) -> Vec<Vec<(usize, usize, c64)>> {
+    let mut by_path = vec![Vec::new(); paths];
+    for (index, row) in rows.iter().enumerate() {
+        for (path, point, value) in &row.terms {
+            by_path[*path].push((index, *point, *value));
+        }
+    }
+    by_path
+}

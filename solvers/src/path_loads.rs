@@ -1,0 +1,238 @@
+//! One path of the compliance form: the points that rows touch, the moments of the springs between them, and what each
+//! pair of rows shares. Mathematics: [`compliance`](crate::compliance), [`springs`](crate::springs).
+
+use std::ops::Range;
+
+use crate::c64;
+use crate::springs::{Load, Moments, SpringPath, State};
+
+/// Rest points closer together than this, relative to their distance from the origin, have no extent.
+const COINCIDENT: f64 = 1e-9;
+
+/// A path with the rows on it.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct PathLoads {
+    /// Points that rows touch, rising.
+    pub(crate) nodes: Vec<usize>,
+    /// Moments of the springs from the node before, or from the first point, up to each node.
+    pub(crate) moments: Vec<Moments>,
+    rows: Vec<RowTerms>,
+    /// Node (by position in `nodes`) and coefficient; of one row, nodes rise.
+    terms: Vec<(usize, c64)>,
+    first: c64,
+    points: usize,
+    centre: c64,
+    /// Root of the summed squared distances from the centre; 0 for a path without extent.
+    radius: f64,
+    /// Row, row not before it, covariance.
+    covariances: Vec<(usize, usize, c64)>,
+    /// Row, motion (0: shift, 1: about the centre), what the row sees of it.
+    seen: Vec<(usize, usize, c64)>,
+}
+
+/// Terms of one row on one path.
+#[derive(Clone, Debug, PartialEq)]
+struct RowTerms {
+    row: usize,
+    terms: Range<usize>,
+    /// Nodes of the first and last term.
+    nodes: (usize, usize),
+}
+
+impl PathLoads {
+    /// `terms`: row, point, coefficient; rows rise.
+    pub(crate) fn new(path: &SpringPath, terms: Vec<(usize, usize, c64)>) -> Self {
+        let mut nodes: Vec<usize> = terms.iter().map(|(_, point, _)| *point).collect();
+        nodes.sort_unstable();
+        nodes.dedup();
+        let starts = std::iter::once(0).chain(nodes.iter().copied());
+        let moments = starts.zip(&nodes).map(|(from, to)| path.moments(from, *to)).collect();
+        let (centre, spread) = path.spread();
+        let floor = COINCIDENT * (1.0 + centre.norm()) * (path.len() as f64).sqrt();
+        let mut loads = Self {
+            nodes,
+            moments,
+            rows: Vec::new(),
+            terms: Vec::new(),
+            first: path.point(0),
+            points: path.len(),
+            centre,
+            radius: if spread > floor { spread } else { 0.0 },
+            covariances: Vec::new(),
+            seen: Vec::new(),
+        };
+        loads.take_terms(&terms);
+        loads.find_covariances();
+        loads
+    }
+
+    fn take_terms(&mut self, given: &[(usize, usize, c64)]) {
+        for of_row in given.chunk_by(|a, b| a.0 == b.0) {
+            let start = self.terms.len();
+            for (_, point, value) in of_row {
+                let node = self.nodes.partition_point(|known| known < point);
+                match self.terms[start..].iter_mut().find(|(known, _)| *known == node) {
+                    Some((_, sum)) => *sum += value,
+                    None => self.terms.push((node, *value)),
+                }
+            }
+            let own = &mut self.terms[start..];
+            own.sort_unstable_by_key(|(node, _)| *node);
+            let nodes = (own[0].0, own[own.len() - 1].0);
+            self.rows.push(RowTerms { row: of_row[0].0, terms: start..self.terms.len(), nodes });
+        }
+    }
+
+    /// Covariances of all pairs of rows, and what rows see of the similarities.
+    fn find_covariances(&mut self) {
+        let mut prefix = Vec::with_capacity(self.nodes.len());
+        let mut sum = Moments::default();
+        for moments in &self.moments {
+            sum = sum.then(*moments);
+            prefix.push(sum);
+        }
+        let loads: Vec<Vec<Load>> = self.rows.iter().map(|row| self.unit_loads(row)).collect();
+        for (index, row) in self.rows.iter().enumerate() {
+            for (other, other_loads) in self.rows[index..].iter().zip(&loads[index..]) {
+                let value = self.covariance(&prefix, (row, &loads[index]), (other, other_loads));
+                self.covariances.push((row.row, other.row, value));
+            }
+            let base = loads[index][0];
+            let (force, moment) = (base.force.conj(), base.moment.conj());
+            self.seen.push((row.row, 0, force / (self.points as f64).sqrt()));
+            if self.radius > 0.0 {
+                let arm = self.first + prefix[row.nodes.0].chord - self.centre;
+                self.seen.push((row.row, 1, (moment + force * arm) / self.radius));
+            }
+        }
+    }
+
+    /// Load of a unit multiplier of `row` about each node from its first to its last.
+    fn unit_loads(&self, row: &RowTerms) -> Vec<Load> {
+        let (first, last) = row.nodes;
+        let mut loads = vec![Load::default(); last - first + 1];
+        let mut terms = self.terms[row.terms.clone()].iter().rev().peekable();
+        let mut load = Load::default();
+        for node in (first..=last).rev() {
+            let mu = terms.next_if(|(known, _)| *known == node).map_or(c64::default(), |(_, c)| c.conj());
+            let chord = self.moments.get(node + 1).map_or(c64::default(), |after| after.chord);
+            load = load.carried(chord, mu);
+            loads[node - first] = load;
+        }
+        loads
+    }
+
+    /// `Σ c_s F_s(own)·conj(F_s(other))` over all springs: between nodes one by one as far as they differ, the rest at once.
+    fn covariance(
+        &self,
+        prefix: &[Moments],
+        own: (&RowTerms, &Vec<Load>),
+        other: (&RowTerms, &Vec<Load>),
+    ) -> c64 {
+        let at = |(row, loads): (&RowTerms, &Vec<Load>), node: usize| {
+            let first = row.nodes.0;
+            if node >= first {
+                return loads[node - first];
+            }
+            loads[0].carried(prefix[first].chord - prefix[node].chord, c64::default())
+        };
+        let low = own.0.nodes.0.min(other.0.nodes.0);
+        let high = own.0.nodes.1.min(other.0.nodes.1);
+        let between = (low + 1..=high).map(|node| self.moments[node].work(at(own, node), at(other, node)));
+        prefix[low].work(at(own, low), at(other, low)) + between.sum::<c64>()
+    }
+
+    /// True if no entry is infinite or not a number.
+    pub(crate) fn is_finite(&self) -> bool {
+        self.centre.is_finite()
+            && self.radius.is_finite()
+            && self.covariances.iter().all(|(_, _, value)| value.is_finite())
+            && self.seen.iter().all(|(_, _, value)| value.is_finite())
+    }
+
+    /// Similarities the path has: 2, or 1 without extent.
+    pub(crate) fn motions(&self) -> usize {
+        if self.radius > 0.0 { 2 } else { 1 }
+    }
+
+    /// Entries of the covariance matrix: row, row not before it, value.
+    pub(crate) fn visit_covariances(&self, mut visit: impl FnMut(usize, usize, c64)) {
+        self.covariances.iter().for_each(|(row, other, value)| visit(*row, *other, *value));
+    }
+
+    /// Diagonal entries of the covariance matrix.
+    pub(crate) fn visit_variances(&self, mut visit: impl FnMut(usize, f64)) {
+        self.visit_covariances(|row, other, value| {
+            if row == other {
+                visit(row, value.re);
+            }
+        });
+    }
+
+    /// What rows see of the orthonormal similarities: row, motion, value.
+    pub(crate) fn visit_similarities(&self, mut visit: impl FnMut(usize, usize, c64)) {
+        self.seen.iter().for_each(|(row, motion, value)| visit(*row, *motion, *value));
+    }
+
+    /// Loads about all nodes under the multipliers `lambda` of all rows.
+    pub(crate) fn loads_under(&self, lambda: &[c64], loads: &mut [Load]) {
+        loads.fill(Load::default());
+        for row in &self.rows {
+            for (node, value) in &self.terms[row.terms.clone()] {
+                loads[*node].force += value.conj() * lambda[row.row];
+            }
+        }
+        let mut load = Load::default();
+        for node in (0..loads.len()).rev() {
+            let chord = self.moments.get(node + 1).map_or(c64::default(), |after| after.chord);
+            load = load.carried(chord, loads[node].force);
+            loads[node] = load;
+        }
+    }
+
+    /// State of the first point under the shares `y` of the similarities, and of all nodes under `loads`.
+    /// `see` is told each node's point before and after.
+    pub(crate) fn states_under(
+        &self,
+        y: &[c64],
+        loads: &[Load],
+        states: &mut [State],
+        see: &mut impl FnMut(c64, c64),
+    ) -> State {
+        let turn = y.get(1).map_or(c64::default(), |share| share / self.radius);
+        let shift = y[0] / (self.points as f64).sqrt();
+        let start = State { point: shift + turn * (self.first - self.centre), factor: turn };
+        let mut state = start;
+        for ((moments, load), own) in self.moments.iter().zip(loads).zip(states) {
+            state = state.through(moments, *load);
+            see(own.point, state.point);
+            *own = state;
+        }
+        start
+    }
+
+    /// Adds what the rows see of the points at the nodes.
+    pub(crate) fn add_rows(&self, states: &[State], values: &mut [c64]) {
+        for row in &self.rows {
+            for (node, value) in &self.terms[row.terms.clone()] {
+                values[row.row] += value * states[*node].point;
+            }
+        }
+    }
+
+    /// `½ Σ |δ_s|²/c_s` under these loads.
+    pub(crate) fn energy(&self, loads: &[Load]) -> f64 {
+        0.5 * self.moments.iter().zip(loads).map(|(moments, load)| moments.work(*load, *load).re).sum::<f64>()
+    }
+
+    /// Components of the bent path `points` along the similarities.
+    pub(crate) fn components(&self, sum: c64, turned: c64) -> [c64; 2] {
+        let turn = if self.radius > 0.0 { turned / self.radius } else { c64::default() };
+        [sum / (self.points as f64).sqrt(), turn]
+    }
+
+    /// Centre of the rest points.
+    pub(crate) fn centre(&self) -> c64 {
+        self.centre
+    }
+}

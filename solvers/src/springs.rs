@@ -1,0 +1,274 @@
+//! A path as a chain of springs on its local similarity factors.
+//!
+//! A bent path is `x_j = a·q_j + b + Σ_{s<j} δ_s (q_j − q_s)`: similarity `(a, b)` of the rest points `q`, and increments δ of
+//! the factor `ζ_j = (x_{j+1} − x_j)/(q_{j+1} − q_j)` at the interior points, with energy `½Σ|δ_s|²/c_s`; `c_s`, the
+//! compliance of spring s, is 0 where the path is rigid. A row `x_i − (1−z)x_{i−1} − z·x_{i+1}`, `z = (q_i − q_{i−1})/(q_{i+1} −
+//! q_{i−1})`, is `−δ_i/g`, `g = (q_{i+1} − q_{i−1})/((q_i − q_{i−1})(q_{i+1} − q_i))`, so that `c_i = |g|²` over the row's weight;
+//! a second difference is `δ_i` on the points `q_j = j`, `c_i = 1` over the row's weight.
+//!
+//! Loads on points beyond a stretch of springs act on it by two numbers, and the stretch answers by three sums, its
+//! [`Moments`]: whatever its length, its cost is constant.
+
+use std::ops::Range;
+
+use crate::c64;
+
+/// Moments of the springs `a ≤ s < b` about the point b.
+///
+/// All sums are of one sign where the physics is, so nothing cancels.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Moments {
+    /// `Σ c_s`.
+    pub zeroth: f64,
+    /// `Σ c_s (q_b − q_s)`.
+    pub first: c64,
+    /// `Σ c_s |q_b − q_s|²`.
+    pub second: f64,
+    /// `q_b − q_a`.
+    pub chord: c64,
+}
+
+impl Moments {
+    /// Moments of these springs and then `next`'s: associative.
+    pub fn then(self, next: Self) -> Self {
+        Self {
+            zeroth: self.zeroth + next.zeroth,
+            first: self.first + self.zeroth * next.chord + next.first,
+            second: self.second
+                + 2.0 * (self.first * next.chord.conj()).re
+                + self.zeroth * next.chord.norm_sqr()
+                + next.second,
+            chord: self.chord + next.chord,
+        }
+    }
+
+    /// Moments after the similarity `q ↦ ρq + σ` of the points; `rho`: ρ.
+    pub fn turned(self, rho: c64) -> Self {
+        Self {
+            zeroth: self.zeroth,
+            first: rho * self.first,
+            second: rho.norm_sqr() * self.second,
+            chord: rho * self.chord,
+        }
+    }
+
+    /// One spring of compliance `c` with the segment `step` after it.
+    pub fn of_spring(compliance: f64, step: c64) -> Self {
+        Self {
+            zeroth: compliance,
+            first: compliance * step,
+            second: compliance * step.norm_sqr(),
+            chord: step,
+        }
+    }
+
+    /// `count` springs of compliance `c` on points 1 apart.
+    fn even(count: usize, compliance: f64) -> Self {
+        let m = count as f64;
+        Self {
+            zeroth: compliance * m,
+            first: c64::new(compliance * m * (m + 1.0) / 2.0, 0.0),
+            second: compliance * m * (m + 1.0) * (2.0 * m + 1.0) / 6.0,
+            chord: c64::new(m, 0.0),
+        }
+    }
+
+    /// What unit forces do: `Σ c_s f_s(own)·conj(f_s(other))`, `f_s = force·(…)` of [`Load::on`].
+    pub(crate) fn work(&self, own: Load, other: Load) -> c64 {
+        let (a, b) = (own.force.conj(), own.moment.conj());
+        let (c, d) = (other.force.conj(), other.moment.conj());
+        a * c.conj() * self.second
+            + a * d.conj() * self.first
+            + b * c.conj() * self.first.conj()
+            + b * d.conj() * self.zeroth
+    }
+}
+
+/// What all points from b on do to the springs before b: `δ_s = c_s (force·conj(q_b − q_s) + moment)`.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Load {
+    /// `Σ_{j≥b} μ_j`.
+    pub force: c64,
+    /// `Σ_{j≥b} μ_j conj(q_j − q_b)`.
+    pub moment: c64,
+}
+
+impl Load {
+    /// The same about the point before, `chord` = q_b − q_a, with a load μ on that point.
+    pub fn carried(self, chord: c64, mu: c64) -> Self {
+        Self { force: self.force + mu, moment: self.moment + self.force * chord.conj() }
+    }
+
+    /// No load at all.
+    pub fn is_zero(self) -> bool {
+        self.force == c64::default() && self.moment == c64::default()
+    }
+}
+
+/// Point and factor at a point of a bent path: `x_j`, and `ζ` of the segment before it.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct State {
+    /// `x_j`.
+    pub point: c64,
+    /// `ζ_{j−1}`.
+    pub factor: c64,
+}
+
+impl State {
+    /// The state at b from that at a, through springs with these moments under the load of all points from b on.
+    pub fn through(self, moments: &Moments, load: Load) -> Self {
+        let Load { force, moment } = load;
+        Self {
+            point: self.point + self.factor * moments.chord + force * moments.second + moment * moments.first,
+            factor: self.factor + force * moments.first.conj() + moment * moments.zeroth,
+        }
+    }
+}
+
+/// A chain of springs at rest.
+#[derive(Clone, Debug, PartialEq)]
+pub enum SpringPath {
+    /// Rest points and compliances, one each a point; the first and last compliance are 0.
+    Listed {
+        /// Rest points q.
+        points: Vec<c64>,
+        /// `c_s`, at least 0.
+        compliances: Vec<f64>,
+    },
+    /// Points `q_j = j`.
+    Even {
+        /// Number of points.
+        count: usize,
+        /// First spring and compliance of stretches of equal springs, rising from spring 0; the springs at the first and
+        /// last point have none, whatever stands here.
+        stretches: Vec<(usize, f64)>,
+    },
+}
+
+impl SpringPath {
+    /// Second differences of `count` points with weight 1.
+    pub fn even(count: usize) -> Self {
+        Self::Even { count, stretches: vec![(0, 1.0)] }
+    }
+
+    /// Number of points.
+    pub fn len(&self) -> usize {
+        match self {
+            Self::Listed { points, .. } => points.len(),
+            Self::Even { count, .. } => *count,
+        }
+    }
+
+    /// No point at all.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// Rest point `q_j`.
+    pub fn point(&self, j: usize) -> c64 {
+        match self {
+            Self::Listed { points, .. } => points[j],
+            Self::Even { .. } => c64::new(j as f64, 0.0),
+        }
+    }
+
+    /// Centre of the rest points and the root of their summed squared distances from it. Cost: linear in points, for
+    /// even paths constant.
+    pub fn spread(&self) -> (c64, f64) {
+        match self {
+            Self::Listed { points, .. } => {
+                let centre = points.iter().sum::<c64>() / points.len() as f64;
+                (centre, points.iter().map(|q| (q - centre).norm_sqr()).sum::<f64>().sqrt())
+            }
+            Self::Even { count, .. } => {
+                let n = *count as f64;
+                (c64::new((n - 1.0) / 2.0, 0.0), (n * (n * n - 1.0) / 12.0).sqrt())
+            }
+        }
+    }
+
+    /// Moments of the springs `from ≤ s < to`. Cost: linear in springs, for even paths in stretches.
+    pub fn moments(&self, from: usize, to: usize) -> Moments {
+        match self {
+            Self::Listed { points, compliances } => {
+                let mut sum = Moments::default();
+                for s in from..to {
+                    let step = points[s + 1] - points[s];
+                    let zeroth = sum.zeroth + compliances[s];
+                    let turn = sum.first * step.conj();
+                    sum.first += zeroth * step;
+                    sum.second += 2.0 * turn.re + zeroth * step.norm_sqr();
+                    sum.zeroth = zeroth;
+                }
+                sum.chord = points[to] - points[from];
+                sum
+            }
+            Self::Even { .. } => {
+                let mut sum = Moments::default();
+                self.visit_stretches(from..to, |springs, compliance| {
+                    sum = sum.then(Moments::even(springs.len(), compliance));
+                });
+                sum
+            }
+        }
+    }
+
+    /// Calls `visit` with the points `range` of the bent path: j, `x_j`, `ζ_j`. `state`: at the first of them. `load`: of all
+    /// points from the end of the range on; points in between carry none.
+    pub(crate) fn bend(
+        &self,
+        range: Range<usize>,
+        state: State,
+        load: Load,
+        visit: &mut impl FnMut(usize, c64, c64),
+    ) {
+        let State { mut point, mut factor } = state;
+        let Load { force, moment } = load;
+        match self {
+            Self::Listed { points, compliances } => {
+                let tip = points[range.end.min(points.len() - 1)];
+                for s in range {
+                    let q = points[s];
+                    factor += compliances[s] * (force * (tip - q).conj() + moment);
+                    visit(s, point, factor);
+                    if let Some(next) = points.get(s + 1) {
+                        point += factor * (next - q);
+                    }
+                }
+            }
+            Self::Even { .. } => {
+                let end = range.end;
+                self.visit_stretches(range, |springs, compliance| {
+                    let change = compliance * force;
+                    let mut increment = change * (end - springs.start) as f64 + compliance * moment;
+                    for s in springs {
+                        factor += increment;
+                        increment -= change;
+                        visit(s, point, factor);
+                        point += factor;
+                    }
+                });
+            }
+        }
+    }
+
+    /// Calls `visit` with the parts of `springs` that have one compliance.
+    fn visit_stretches(&self, springs: Range<usize>, mut visit: impl FnMut(Range<usize>, f64)) {
+        let Self::Even { count, stretches } = self else { return };
+        let last = count - 1;
+        let mut start = springs.start;
+        while start < springs.end {
+            let following = stretches.partition_point(|(first, _)| *first <= start);
+            let compliance = following.checked_sub(1).map_or(0.0, |stretch| stretches[stretch].1);
+            let next = stretches.get(following).map_or(usize::MAX, |(first, _)| *first);
+            let (end, compliance) = match start {
+                0 => (1, 0.0),
+                s if s == last => (s + 1, 0.0),
+                _ => (next.min(last), compliance),
+            };
+            let end = end.min(springs.end);
+            visit(start..end, compliance);
+            start = end;
+        }
+    }
+}
