@@ -6,7 +6,7 @@ use std::path::Path;
 
 use cotillion::clip::builtin::generate;
 use cotillion::clip::bvh::{ReadOptions, read};
-use cotillion::edit::{Editor, Target};
+use cotillion::edit::{Backend, Editor, Target};
 use cotillion::export::bvh::to_bvh;
 use cotillion::geometry::c64;
 use cotillion::index::ConstraintId;
@@ -59,10 +59,14 @@ fn assemble_and_factor(criterion: &mut Criterion) {
             let name = BenchmarkId::new(axis, parameter);
             if stage == "assemble" {
                 group.bench_function(name, |b| {
-                    b.iter_batched(|| scene.clone(), Editor::assemble, BatchSize::LargeInput);
+                    b.iter_batched(
+                        || scene.clone(),
+                        |scene| Editor::assemble(scene, Backend::default()),
+                        BatchSize::LargeInput,
+                    );
                 });
             } else {
-                let assembled = || Editor::assemble(scene.clone());
+                let assembled = || Editor::assemble(scene.clone(), Backend::default());
                 let factor = |mut editor: Editor| editor.factor().expect("a regular system");
                 group.bench_function(name, |b| b.iter_batched(assembled, factor, BatchSize::LargeInput));
             }

@@ -5,10 +5,11 @@
 //! energy of case V (digits `354` for `834`), p̄150 of case R (its real part) and the largest bend without a floor.
 
 use cotillion::constraint::Strength;
+use cotillion::edit::Backend;
 use cotillion::edit::clash::Miss;
 use cotillion::edit::hold::{HeldRow, Hold, Place, Prepared};
 use cotillion::edit::settings::{RelativeMode, RunMode, SpatialSettings};
-use cotillion::edit::spatial::{SpatialComponent, SpatialError};
+use cotillion::edit::spatial::{SpatialComponent, SpatialEnergy, SpatialError};
 use cotillion::geometry::{c64, cis};
 use cotillion::index::ConstraintId;
 use cotillion::path::RestPath;
@@ -65,15 +66,45 @@ fn tied(rests: &[RestPath], (a, i): (usize, u32), (b, j): (usize, u32)) -> [Held
     })
 }
 
-fn build(rests: Vec<RestPath>, rows: &[HeldRow], settings: SpatialSettings) -> SpatialComponent {
+/// The reduced and the direct backend may differ by this, metres.
+const BACKENDS: f64 = 1e-8;
+/// Energies of the two may differ by this, relative, or by what Ê does not see.
+const BACKEND_ENERGIES: (f64, f64) = (1e-8, 1e-12 / 27_000.0);
+
+fn build_by(
+    backend: Backend,
+    rests: Vec<RestPath>,
+    rows: &[HeldRow],
+    settings: SpatialSettings,
+) -> SpatialComponent {
     let held = rows.iter().map(|row| Prepared::new(*row, &rests, settings.baseline)).collect();
-    SpatialComponent::new(rests, held, settings)
+    SpatialComponent::new(rests, held, settings, backend)
 }
 
+fn build(rests: Vec<RestPath>, rows: &[HeldRow], settings: SpatialSettings) -> SpatialComponent {
+    build_by(Backend::Reduced, rests, rows, settings)
+}
+
+/// Solved by the reduced backend, after the direct one has come to the same.
 fn solved(rests: Vec<RestPath>, rows: &[HeldRow], settings: SpatialSettings) -> SpatialComponent {
-    let mut component = build(rests, rows, settings);
-    component.solve().expect("the reference problems have an answer");
-    component
+    let [reduced, direct] = [Backend::Reduced, Backend::Direct].map(|backend| {
+        let mut component = build_by(backend, rests.clone(), rows, settings);
+        component.solve().expect("the reference problems have an answer");
+        component
+    });
+    for (own, other) in [(&reduced.shaped, &direct.shaped), (&reduced.edited, &direct.edited)] {
+        for (p, q) in own.iter().flatten().zip(other.iter().flatten()) {
+            assert!((p - q).norm() < BACKENDS, "{p} is not {q}");
+        }
+    }
+    let energies = |e: &SpatialEnergy| [e.shape, e.shape_soft, e.scale, e.scale_soft];
+    for (a, b) in energies(&reduced.energy).into_iter().zip(energies(&direct.energy)) {
+        let allowed = (BACKEND_ENERGIES.0 * b).max(BACKEND_ENERGIES.1);
+        assert!((a - b).abs() <= allowed, "{a:e} is not {b:e}");
+    }
+    assert_eq!(reduced.gauges(), direct.gauges());
+    assert_eq!(reduced.redundant(), direct.redundant());
+    reduced
 }
 
 fn close(actual: c64, expected: (f64, f64)) {

@@ -86,13 +86,9 @@ pub(crate) const WORTH_THREADS: usize = 20_000;
 impl Compliance {
     /// Moments of the springs, then all entries of the system. Cost: linear in springs, quadratic in the rows of a path.
     ///
-    /// # Errors
-    /// [`KktError::NotFinite`] for coefficients, weights or points that are not.
-    ///
     /// # Panics
     /// If a row names a path or point that does not exist.
-    pub fn new(paths: Vec<SpringPath>, rows: Vec<PointRow<c64>>) -> Result<Self, KktError> {
-        check(&rows)?;
+    pub fn new(paths: Vec<SpringPath>, rows: Vec<PointRow<c64>>) -> Self {
         let by_path = terms_by_path(paths.len(), &rows);
         let samples: usize = paths.iter().map(SpringPath::len).sum();
         let pairs: Vec<_> = paths.iter().zip(by_path).collect();
@@ -101,9 +97,6 @@ impl Compliance {
         } else {
             pairs.into_iter().map(|(path, terms)| PathLoads::new(path, terms)).collect()
         };
-        if !loads.iter().all(PathLoads::is_finite) {
-            return Err(KktError::NotFinite { block: "springs", row: 0 });
-        }
         let mut problem = Self {
             paths,
             rows,
@@ -118,7 +111,7 @@ impl Compliance {
         problem.lay_out();
         problem.scale_rows();
         problem.fill();
-        Ok(problem)
+        problem
     }
 
     /// Number of free motions, which are fixed as at rest.
@@ -216,8 +209,9 @@ impl Compliance {
     /// Plans the elimination from the pattern.
     ///
     /// # Errors
-    /// [`KktError::Singular`] if memory runs out.
+    /// [`KktError::NotFinite`] for coefficients, weights or points that are not; [`KktError::Singular`] if memory runs out.
     pub fn analyse(&self) -> Result<ComplianceAnalysis, KktError> {
+        check(self)?;
         let assembly = Assembly::new(self.layout.size, &self.positions);
         let order = LuOrder::new(&assembly.pattern).map_err(|_| KktError::Singular)?;
         Ok(ComplianceAnalysis(Arc::new(Plan { assembly, order })))
@@ -248,13 +242,16 @@ impl ComplianceFactor {
     }
 }
 
-fn check(rows: &[PointRow<c64>]) -> Result<(), KktError> {
+fn check(problem: &Compliance) -> Result<(), KktError> {
     let sound = |row: &PointRow<c64>| {
         let weight = row.weight.is_none_or(|weight| weight.is_finite() && weight > 0.0);
         weight && row.terms.iter().all(|(_, _, value)| value.is_finite())
     };
-    match rows.iter().position(|row| !sound(row)) {
-        Some(row) => Err(KktError::NotFinite { block: "C", row }),
+    if let Some(row) = problem.rows.iter().position(|row| !sound(row)) {
+        return Err(KktError::NotFinite { block: "C", row });
+    }
+    match problem.loads.iter().position(|loads| !loads.is_finite()) {
+        Some(row) => Err(KktError::NotFinite { block: "q", row }),
         None => Ok(()),
     }
 }

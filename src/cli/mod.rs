@@ -8,7 +8,8 @@ mod run;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
-use clap::{Args, Parser, Subcommand};
+use clap::{Args, Parser, Subcommand, ValueEnum};
+use cotillion::edit::Backend;
 
 use output::Output;
 
@@ -58,8 +59,28 @@ struct RunArgs {
     /// Width of the PNG, pixels.
     #[arg(long, value_name = "PIXELS", default_value_t = 1600, value_parser = clap::value_parser!(u32).range(100..=10_000))]
     png_width: u32,
+    /// Solver: exact reduction to the constrained frames, or a sparse LU of all frames (slower; the reference).
+    #[arg(long, value_enum, default_value_t)]
+    backend: BackendChoice,
     #[command(flatten)]
     manner: Manner,
+}
+
+/// See [`Backend`].
+#[derive(Clone, Copy, Debug, Default, ValueEnum)]
+enum BackendChoice {
+    #[default]
+    Reduced,
+    Direct,
+}
+
+impl From<BackendChoice> for Backend {
+    fn from(choice: BackendChoice) -> Self {
+        match choice {
+            BackendChoice::Reduced => Self::Reduced,
+            BackendChoice::Direct => Self::Direct,
+        }
+    }
 }
 
 #[derive(Debug, Args)]

@@ -4,7 +4,7 @@ use std::path::Path;
 use std::time::Instant;
 
 use cotillion::edit::error::Named;
-use cotillion::edit::{Edit, EditError, Editor};
+use cotillion::edit::{Backend, Edit, EditError, Editor};
 use cotillion::export::files::{OutputFile, write_all};
 use cotillion::export::picture::to_png;
 use cotillion::export::report::{Report, Timing, report};
@@ -30,7 +30,7 @@ pub(crate) fn run(args: &RunArgs) -> Result<(), Failure> {
         )?;
     bar.suspend(|| output.warnings(&warnings, &text));
     bar.inc(1);
-    let solved = solve(scene, &mut timing, &bar).map_err(|error| {
+    let solved = solve(scene, args.backend.into(), &mut timing, &bar).map_err(|error| {
         bar.finish_and_clear();
         output.diagnostics(&unsatisfiable(&args.scene, &text, &error), &text);
         Failure::Unsatisfiable
@@ -83,9 +83,14 @@ fn write(
     Ok(milliseconds)
 }
 
-fn solve(scene: Scene, timing: &mut Timing, bar: &indicatif::ProgressBar) -> Result<Editor, EditError> {
+fn solve(
+    scene: Scene,
+    backend: Backend,
+    timing: &mut Timing,
+    bar: &indicatif::ProgressBar,
+) -> Result<Editor, EditError> {
     bar.set_message("assembling");
-    let mut editor = timed(&mut timing.assemble, || Editor::assemble(scene));
+    let mut editor = timed(&mut timing.assemble, || Editor::assemble(scene, backend));
     timed(&mut timing.factor, || editor.factor())?;
     bar.inc(1);
     bar.set_message("solving");

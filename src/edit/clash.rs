@@ -2,7 +2,7 @@
 
 use cotillion_solvers::{RowMatrix, analyse_rank};
 
-use crate::edit::columns::Columns;
+use crate::edit::columns::{Columns, Freedom};
 use crate::edit::hold::{Phase, Prepared};
 use crate::edit::settings::{RelativeMode, RunMode};
 use crate::path::RestPath;
@@ -55,12 +55,12 @@ pub fn is_irreducible(rests: &[RestPath], rows: &[&Prepared], relative: Relative
     let counts: Vec<usize> = rests.iter().map(RestPath::len).collect();
     let free: Vec<RestPath> =
         rests.iter().map(|rest| RestPath { rigid: Vec::new(), ..rest.clone() }).collect();
-    let columns = Columns::new(&free, Phase::Scale, RunMode::Similar, &[]);
+    let terms: Vec<_> = rows.iter().map(|prepared| prepared.terms(Phase::Shape, relative, &counts)).collect();
+    let freedom = Freedom { paths: &free, phase: Phase::Scale, runs: RunMode::Similar, released: &[] };
+    let columns = Columns::touched(freedom, terms.iter().map(Vec::as_slice));
     let mut matrix = RowMatrix::new(columns.count);
-    for prepared in rows {
-        let mut values = Vec::new();
-        columns.expand(&prepared.terms(Phase::Shape, relative, &counts), &mut values, &mut Vec::new());
-        matrix.push_row(&values);
+    for own in &terms {
+        matrix.push_row(&columns.row(own));
     }
     !analyse_rank(&matrix.to_csr()).dependent.is_empty()
 }

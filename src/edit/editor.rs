@@ -10,7 +10,7 @@ use crate::edit::facing::{Turns, held_facings};
 use crate::edit::groups::{Group, spatial_groups, temporal_groups};
 use crate::edit::hold::Phase;
 use crate::edit::note::EditNote;
-use crate::edit::settings::{FacingMode, SpatialSettings};
+use crate::edit::settings::{Backend, FacingMode, SpatialSettings};
 use crate::edit::spatial::{SpatialComponent, SpatialError};
 use crate::edit::temporal::{TemporalComponent, TemporalError};
 use crate::edit::time_row::StepBounds;
@@ -87,18 +87,18 @@ impl Editor {
     /// # Errors
     /// [`EditError::Solver`] where a system cannot be factored.
     pub fn new(scene: Scene) -> Result<Self, EditError> {
-        let mut editor = Self::assemble(scene);
+        let mut editor = Self::assemble(scene, Backend::default());
         editor.factor()?;
         Ok(editor)
     }
 
     /// The first half of [`Editor::new`]: all systems, not factored yet.
-    pub fn assemble(scene: Scene) -> Self {
+    pub fn assemble(scene: Scene, backend: Backend) -> Self {
         let settings = SpatialSettings::of(scene.mode);
         let rests: Vec<RestPath> =
             scene.characters.par_iter().map(|character| character.track.rest_path()).collect();
         let expansion = expand(&scene, &rests);
-        let (spatial, held) = spatial_groups(&rests, &expansion.held, settings);
+        let (spatial, held) = spatial_groups(&rests, &expansion.held, settings, backend);
         let (temporal, times) = temporal_groups(step_bounds(&scene), &rests, &expansion.times);
         let characters = rests.into_iter().map(|rest| EditedCharacter {
             positions: rest.positions.clone(),

@@ -3,10 +3,9 @@
 //! Shape rows do not see a similarity of a path, scale rows not a shift and an even stretch; what the constraints do not
 //! decide either stays as at rest. Rows along these motions cost no energy and bias nothing else.
 
-use std::collections::BTreeMap;
+use cotillion_solvers::{Combination, PointRow, free_combinations};
 
-use cotillion_solvers::{RowMatrix, analyse_rank};
-
+use crate::edit::columns::Freedom;
 use crate::edit::hold::{Phase, Term};
 use crate::edit::settings::RunMode;
 use crate::geometry::c64;
@@ -30,98 +29,35 @@ fn invisible_motions(path: &RestPath, phase: Phase, fixed_slope: bool) -> Vec<Ve
     vec![shift, centred.into_iter().map(|p| p / length).collect()]
 }
 
-/// A combination of motions: motion, share; rising.
-type Combination = Vec<(usize, c64)>;
-
 /// Rows that fix the free motions of a component: orthonormal coefficients on the points of its paths.
 ///
-/// `functionals`: all held rows of the phase. Cost: linear in frames; near linear in paths where constraints tie
-/// neighbours only, as their sparse elimination is.
-pub fn rows(
-    paths: &[RestPath],
-    functionals: &[Vec<Term>],
-    phase: Phase,
-    runs: RunMode,
-    released: &[(usize, usize)],
-) -> Vec<Vec<Term>> {
+/// `held`: all held rows of the phase. Cost: linear in frames; near linear in paths where constraints tie neighbours only,
+/// as their sparse elimination is.
+pub fn rows(freedom: Freedom, held: &[PointRow<c64>]) -> Vec<Vec<Term>> {
     let mut motions: Vec<(usize, Vec<c64>)> = Vec::new();
-    for (index, path) in paths.iter().enumerate() {
-        let has_run = (0..path.rigid.len()).any(|run| !released.contains(&(index, run)));
-        let fixed_slope = has_run && runs == RunMode::Rigid;
-        let own = invisible_motions(path, phase, fixed_slope);
-        motions.extend(own.into_iter().map(|motion| (index, motion)));
-    }
-    let on_frames = |(row, share): (usize, c64)| {
-        let (path, motion) = &motions[row];
-        motion.iter().enumerate().map(move |(frame, value)| (*path, frame, (share * value).conj()))
-    };
-    free_combinations(&motions, paths.len(), functionals)
-        .into_iter()
-        .map(|combination| combination.into_iter().flat_map(on_frames).collect())
-        .collect()
-}
-
-/// Combinations of `motions` that no functional sees, orthonormal: the dependencies among what functionals see of each.
-fn free_combinations(
-    motions: &[(usize, Vec<c64>)],
-    path_count: usize,
-    functionals: &[Vec<Term>],
-) -> Vec<Combination> {
-    let mut of_path: Vec<Vec<usize>> = vec![Vec::new(); path_count];
-    for (index, (path, _)) in motions.iter().enumerate() {
-        of_path[*path].push(index);
+    let mut of_path: Vec<Vec<usize>> = vec![Vec::new(); freedom.paths.len()];
+    for (index, path) in freedom.paths.iter().enumerate() {
+        let fixed_slope = freedom.kept_runs(index).next().is_some() && freedom.runs == RunMode::Rigid;
+        for motion in invisible_motions(path, freedom.phase, fixed_slope) {
+            of_path[index].push(motions.len());
+            motions.push((index, motion));
+        }
     }
     let mut seen: Vec<Combination> = vec![Vec::new(); motions.len()];
-    for (row, terms) in functionals.iter().enumerate() {
-        let length = terms.iter().map(|(_, _, factor)| factor.norm_sqr()).sum::<f64>().sqrt();
-        for (path, frame, factor) in terms {
+    for (row, held) in held.iter().enumerate() {
+        let length = held.terms.iter().map(|(_, _, factor)| factor.norm_sqr()).sum::<f64>().sqrt();
+        for (path, frame, factor) in &held.terms {
             for motion in &of_path[*path] {
                 seen[*motion].push((row, factor * motions[*motion].1[*frame] / length));
             }
         }
     }
-    let mut matrix = RowMatrix::new(functionals.len().max(1));
-    for own in &seen {
-        matrix.push_row(own);
-    }
-    let dependent = analyse_rank(&matrix.to_csr()).dependent;
-    orthonormal(dependent.into_iter().map(|dependency| dependency.combination))
-}
-
-/// Modified Gram–Schmidt, twice, on sparse vectors that are independent.
-fn orthonormal(vectors: impl Iterator<Item = Combination>) -> Vec<Combination> {
-    let mut basis: Vec<Combination> = Vec::new();
-    for mut vector in vectors {
-        vector.sort_unstable_by_key(|(index, _)| *index);
-        for _ in 0..2 {
-            for known in &basis {
-                let share = dot(known, &vector);
-                if share != c64::default() {
-                    vector = less(&vector, share, known);
-                }
-            }
-            let length = vector.iter().map(|(_, value)| value.norm_sqr()).sum::<f64>().sqrt();
-            vector.iter_mut().for_each(|(_, value)| *value /= length);
-        }
-        basis.push(vector);
-    }
-    basis
-}
-
-/// `aᴴb` of sparse vectors.
-fn dot(a: &Combination, b: &Combination) -> c64 {
-    let value = |(index, x): &(usize, c64)| {
-        b.binary_search_by_key(index, |(other, _)| *other)
-            .map_or(c64::default(), |place| x.conj() * b[place].1)
+    let on_frames = |(row, share): (usize, c64)| {
+        let (path, motion) = &motions[row];
+        motion.iter().enumerate().map(move |(frame, value)| (*path, frame, (share * value).conj()))
     };
-    a.iter().map(value).sum()
-}
-
-/// `a − share·b` of sparse vectors.
-fn less(a: &Combination, share: c64, b: &Combination) -> Combination {
-    let mut sum: BTreeMap<usize, c64> = a.iter().copied().collect();
-    for (index, value) in b {
-        *sum.entry(*index).or_default() -= share * value;
-    }
-    sum.into_iter().collect()
+    free_combinations(&seen, held.len())
+        .into_iter()
+        .map(|combination| combination.into_iter().flat_map(on_frames).collect())
+        .collect()
 }

@@ -3,7 +3,7 @@
 use rayon::prelude::*;
 
 use crate::edit::hold::{HeldRow, Prepared};
-use crate::edit::settings::SpatialSettings;
+use crate::edit::settings::{Backend, SpatialSettings};
 use crate::edit::spatial::SpatialComponent;
 use crate::edit::temporal::{TemporalComponent, TemporalSettings};
 use crate::edit::time_row::{StepBounds, TimeRow};
@@ -59,6 +59,7 @@ pub fn spatial_groups(
     rests: &[RestPath],
     held: &[HeldRow],
     settings: SpatialSettings,
+    backend: Backend,
 ) -> Grouped<SpatialComponent> {
     let links = held.iter().filter_map(|row| row.hold.to().map(|to| (row.hold.at().path, to.path)));
     let groups = connected(rests.len(), links);
@@ -73,7 +74,7 @@ pub fn spatial_groups(
     }
     let build = |(characters, held): (Vec<usize>, Vec<Prepared>)| {
         let own = characters.iter().map(|character| rests[*character].clone()).collect();
-        Group { characters, component: SpatialComponent::new(own, held, settings) }
+        Group { characters, component: SpatialComponent::new(own, held, settings, backend) }
     };
     let pairs: Vec<_> = groups.into_iter().zip(rows).collect();
     (pairs.into_par_iter().map(build).collect(), index)

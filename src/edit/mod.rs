@@ -1,7 +1,7 @@
 //! Edits paths and times so that constraints hold.
 //!
 //! ```text
-//!   scene ─► expand: rows at instants ─► columns, assemble, gauge: sparse systems ─► spatial (shape, then scale)
+//!   scene ─► expand: rows at instants ─► columns, springs: reduced, direct ─► spatial (shape, then scale)
 //!                                                                                    temporal
 //!         Editor: factor once, drag many ◄── facing: where bodies look ◄─────────────┘
 //! ```
@@ -12,8 +12,10 @@ pub mod reference;
 pub mod bodies;
 pub mod columns;
 pub mod clash;
+pub mod springs;
+pub mod reduced;
 pub mod gauge;
-pub mod assemble;
+pub mod direct;
 pub mod phase;
 pub mod spatial;
 pub mod facing;
@@ -30,3 +32,4 @@ pub mod editor;
 pub use editor::{Edit, EditedCharacter, Editor, Target};
 pub use error::EditError;
 pub use note::EditNote;
+pub use settings::Backend;

@@ -1,51 +1,75 @@
 //! One phase of one component: factored once, solved for many targets.
+//!
+//! Unknown are deviations from a reference path that satisfies all interior rows, so that only held rows have targets: what
+//! they miss on the reference.
 
-use cotillion_solvers::{Dependency, Factor, KktError, KktForm, Workspace, analyse, analyse_rank};
+use cotillion_solvers::{Dependency, KktError, PointRow, RowMatrix, analyse_rank};
 
-use crate::edit::assemble::{PhaseSystem, Source, TargetRule, assemble};
-use crate::edit::hold::{Phase, Prepared, Term};
-use crate::edit::settings::SpatialSettings;
+use crate::constraint::Strength;
+use crate::edit::columns::{Columns, Freedom};
+use crate::edit::direct::DirectPhase;
+use crate::edit::hold::{Prepared, Term};
+use crate::edit::reduced::ReducedPhase;
+use crate::edit::settings::{Backend, RunMode, SpatialSettings};
 use crate::geometry::c64;
 use crate::path::RestPath;
 
 /// Dependent hard rows agree if they miss by no more than this, relative to the larger of 1 m and their targets.
 const AGREEMENT: f64 = 1e-9;
 
-/// One phase, factored, with the storage of its solves.
+/// One phase with the storage of its solves.
 pub struct PhaseSolver {
-    /// Matrices and target rules.
-    pub system: PhaseSystem,
-    /// Unknowns of the last solve.
-    pub x: Vec<c64>,
-    factor: Option<(Factor<c64>, Workspace<c64>)>,
+    /// Held rows that bind in this phase: by position in the list of held rows, left side.
+    rows: Vec<(usize, PointRow<c64>)>,
+    /// Positions in `rows` of the hard ones.
+    hard: Vec<usize>,
+    /// Combinations of hard rows, by position in `hard`, that vanish.
     dependent: Vec<Dependency<c64>>,
+    /// Positions in `rows` of what the system holds, and the rows themselves: all but redundant ones.
     kept: Vec<usize>,
-    soft_targets: Vec<c64>,
-    all_hard_targets: Vec<c64>,
-    hard_targets: Vec<c64>,
+    kept_rows: Vec<PointRow<c64>>,
+    /// Targets of `rows`, of the hard ones, and of `kept`.
+    deviations: Vec<c64>,
+    hard_deviations: Vec<c64>,
+    kept_deviations: Vec<c64>,
+    system: System,
+}
+
+enum System {
+    Reduced(ReducedPhase),
+    Direct(DirectPhase),
 }
 
 impl PhaseSolver {
-    /// Assembles `phase` and finds the redundant hard rows.
-    pub fn new(
-        rests: &[RestPath],
-        held: &[Prepared],
-        phase: Phase,
-        settings: &SpatialSettings,
-        released: &[(usize, usize)],
-    ) -> Self {
-        let mut system = assemble(rests, held, phase, settings, released);
-        let rank = analyse_rank(&system.hard_rows);
-        system.keep_hard_rows(&rank.independent);
+    /// Finds the redundant hard rows and assembles the others.
+    pub fn new(freedom: Freedom, held: &[Prepared], settings: &SpatialSettings, backend: Backend) -> Self {
+        let rows = bound_rows(freedom, held, settings);
+        let hard: Vec<usize> = (0..rows.len()).filter(|row| rows[*row].1.weight.is_none()).collect();
+        let terms = |row: &usize| rows[*row].1.terms.as_slice();
+        let columns = Columns::touched(freedom, hard.iter().map(terms));
+        let mut matrix = RowMatrix::new(columns.count);
+        hard.iter().for_each(|row| {
+            matrix.push_row(&columns.row(terms(row)));
+        });
+        let dependent = analyse_rank(&matrix.to_csr()).dependent;
+        let redundant: Vec<usize> = dependent.iter().map(|dependency| hard[dependency.row]).collect();
+        let kept: Vec<usize> = (0..rows.len()).filter(|row| redundant.binary_search(row).is_err()).collect();
+        let kept_rows: Vec<PointRow<c64>> = kept.iter().map(|row| rows[*row].1.clone()).collect();
+        let system = match backend {
+            Backend::Reduced => ReducedPhase::new(freedom, &kept_rows, settings).map(System::Reduced),
+            Backend::Direct => None,
+        };
+        let direct = || System::Direct(DirectPhase::new(freedom, &kept_rows, settings));
         Self {
-            factor: None,
-            dependent: rank.dependent,
-            soft_targets: vec![c64::default(); system.soft.len()],
-            all_hard_targets: vec![c64::default(); system.hard.len()],
-            hard_targets: vec![c64::default(); rank.independent.len() + system.gauge.len()],
-            kept: rank.independent,
-            x: vec![c64::default(); system.columns.count],
-            system,
+            system: system.unwrap_or_else(direct),
+            deviations: vec![c64::default(); rows.len()],
+            hard_deviations: vec![c64::default(); hard.len()],
+            kept_deviations: vec![c64::default(); kept.len()],
+            rows,
+            hard,
+            dependent,
+            kept,
+            kept_rows,
         }
     }
 
@@ -54,62 +78,41 @@ impl PhaseSolver {
     /// # Errors
     /// What the solver says of a matrix it cannot factor.
     pub fn factor(&mut self) -> Result<(), KktError> {
-        if self.factor.is_none() {
-            let factor = analyse(&self.system.problem, KktForm::Hachtel)?.factor(&self.system.problem)?;
-            let workspace = factor.workspace();
-            self.factor = Some((factor, workspace));
+        match &mut self.system {
+            System::Reduced(reduced) => reduced.factor(),
+            System::Direct(direct) => direct.factor(),
         }
-        Ok(())
     }
 
-    /// Fills the right-hand sides: `value` of each source, less the constants of its points.
-    pub fn set_targets(
-        &mut self,
-        value: impl Fn(&Source) -> c64,
-        constant: impl Fn(usize, usize, usize) -> c64,
-    ) {
-        let frames = &self.system.columns.frames;
-        let evaluate = |rule: &TargetRule| {
-            let own = |(path, frame, c): &Term| {
-                frames[*path][*frame].run.map_or(c64::default(), |run| c * constant(*path, *frame, run))
-            };
-            rule.scale * (value(&rule.source) - rule.constants.iter().map(own).sum::<c64>())
-        };
-        fill(&mut self.soft_targets, &self.system.soft, evaluate);
-        fill(&mut self.all_hard_targets, &self.system.hard, evaluate);
-        for (target, row) in self.hard_targets.iter_mut().zip(&self.kept) {
-            *target = self.all_hard_targets[*row];
+    /// Sets what held rows miss on the reference: `value` of each held row, `reference` of each path and frame.
+    pub fn set_targets(&mut self, value: impl Fn(usize) -> c64, reference: impl Fn(usize, usize) -> c64) {
+        for (deviation, (held, row)) in self.deviations.iter_mut().zip(&self.rows) {
+            let on_reference = |(path, frame, c): &Term| c * reference(*path, *frame);
+            *deviation = value(*held) - row.terms.iter().map(on_reference).sum::<c64>();
         }
-        let kept = self.kept.len();
-        fill(&mut self.hard_targets[kept..], &self.system.gauge, evaluate);
+        for (deviation, row) in self.hard_deviations.iter_mut().zip(&self.hard) {
+            *deviation = self.deviations[*row];
+        }
+        for (deviation, row) in self.kept_deviations.iter_mut().zip(&self.kept) {
+            *deviation = self.deviations[*row];
+        }
     }
 
     /// Held rows of the first dependent hard row that contradicts the others, and by how much.
     pub fn contradiction(&self) -> Option<(Vec<usize>, f64)> {
         self.dependent.iter().find_map(|dependency| {
-            let miss = dependency.mismatch(&self.all_hard_targets);
-            let size = dependency
-                .combination
-                .iter()
-                .map(|(row, y)| (y * self.all_hard_targets[*row]).norm())
-                .fold(1.0, f64::max);
-            let rows = dependency.certificate();
+            let miss = dependency.mismatch(&self.hard_deviations);
+            let share = |(row, y): &(usize, c64)| (y * self.hard_deviations[*row]).norm();
+            let size = dependency.combination.iter().map(share).fold(1.0, f64::max);
+            let held = |row: usize| self.rows[self.hard[row]].0;
             (miss > AGREEMENT * size)
-                .then(|| (rows.into_iter().filter_map(|row| self.held_row(row)).collect(), miss))
+                .then(|| (dependency.certificate().into_iter().map(held).collect(), miss))
         })
     }
 
     /// Held rows that other hard rows imply.
     pub fn redundant(&self) -> impl Iterator<Item = usize> {
-        self.dependent.iter().filter_map(|dependency| self.held_row(dependency.row))
-    }
-
-    /// Held row that hard row `hard_row` came from.
-    fn held_row(&self, hard_row: usize) -> Option<usize> {
-        match self.system.hard[hard_row].source {
-            Source::Held(index) => Some(index),
-            Source::Interior { .. } | Source::Gauge(_) => None,
-        }
+        self.dependent.iter().map(|dependency| self.rows[self.hard[dependency.row]].0)
     }
 
     /// Solves for the present targets.
@@ -117,21 +120,53 @@ impl PhaseSolver {
     /// # Errors
     /// What the solver says.
     pub fn solve(&mut self) -> Result<(), KktError> {
-        self.factor()?;
-        let Some((factor, workspace)) = &mut self.factor else { return Ok(()) };
-        factor.solve_into(&self.soft_targets, &self.hard_targets, &mut self.x, workspace).map(|_| ())
+        match &mut self.system {
+            System::Reduced(reduced) => reduced.solve(&self.kept_deviations),
+            System::Direct(direct) => direct.solve(&self.kept_rows, &self.kept_deviations),
+        }
+    }
+
+    /// Fills in the points of a path: reference plus deviation.
+    pub fn points(&self, path: usize, reference: impl Fn(usize) -> c64, points: &mut [c64]) {
+        let fill = |frame: usize, deviation: c64| points[frame] = reference(frame) + deviation;
+        match &self.system {
+            System::Reduced(reduced) => reduced.visit(path, fill),
+            System::Direct(direct) => direct.visit(path, fill),
+        }
     }
 
     /// Energies of the interior rows and of the soft held rows.
     pub fn energies(&self) -> (f64, f64) {
-        let (interior, all) = (self.system.interior, self.system.soft.len());
-        let energy = |rows| self.system.problem.energy_of_rows(rows, &self.x, &self.soft_targets);
-        (energy(0..interior), energy(interior..all))
+        match &self.system {
+            System::Reduced(reduced) => reduced.energies(),
+            System::Direct(direct) => direct.energies(),
+        }
+    }
+
+    /// Number of free motions that are fixed as at rest.
+    pub fn gauges(&self) -> usize {
+        match &self.system {
+            System::Reduced(reduced) => reduced.gauges(),
+            System::Direct(direct) => direct.gauges,
+        }
     }
 }
 
-fn fill(targets: &mut [c64], rules: &[TargetRule], evaluate: impl Fn(&TargetRule) -> c64) {
-    for (target, rule) in targets.iter_mut().zip(rules) {
-        *target = evaluate(rule);
-    }
+/// Held rows that bind in this phase.
+fn bound_rows(
+    freedom: Freedom,
+    held: &[Prepared],
+    settings: &SpatialSettings,
+) -> Vec<(usize, PointRow<c64>)> {
+    let counts: Vec<usize> = freedom.paths.iter().map(RestPath::len).collect();
+    let rigid = settings.runs == RunMode::Rigid;
+    let bound = held.iter().enumerate().filter(|(_, prepared)| prepared.binds(freedom.phase, rigid));
+    let row = |prepared: &Prepared| PointRow {
+        terms: prepared.terms(freedom.phase, settings.relative, &counts),
+        weight: match prepared.row.strength {
+            Strength::Hard => None,
+            Strength::Soft(weight) => Some(weight * prepared.soft_scale().powi(2)),
+        },
+    };
+    bound.map(|(index, prepared)| (index, row(prepared))).collect()
 }

@@ -2,17 +2,18 @@
 //!
 //! Everything that depends only on rest paths and on which frames are constrained is computed once; a solve is
 //! right-hand sides, substitutions and one pass over the frames. Source: Kim et al. 2009, §4.1–4.2, in the forms that
-//! the module docs of `assemble`, `hold` and `gauge` give.
+//! the module docs of `springs`, `hold` and `reference` give.
 
 use cotillion_solvers::KktError;
+use rayon::prelude::*;
 
-use crate::edit::assemble::Source;
 use crate::edit::bodies::{first_disagreement, leave_to_the_body, spread_still_rotations};
 use crate::edit::clash::{self, Miss};
+use crate::edit::columns::Freedom;
 use crate::edit::hold::{Direction, Hold, Phase, Prepared, Rotations, run_chord};
 use crate::edit::phase::PhaseSolver;
 use crate::edit::reference::reference_translations;
-use crate::edit::settings::{FacingMode, SpatialSettings};
+use crate::edit::settings::{Backend, FacingMode, SpatialSettings};
 use crate::geometry::{c64, cis};
 use crate::index::ConstraintId;
 use crate::path::{RestPath, SegmentFactors};
@@ -66,8 +67,9 @@ pub struct SpatialComponent {
     /// Energies of the present result.
     pub energy: SpatialEnergy,
     settings: SpatialSettings,
-    /// Longest chord and first frame of every stationary stretch, by path.
-    chords: Vec<Vec<(Direction, usize)>>,
+    backend: Backend,
+    /// Longest chord of every stationary stretch, by path.
+    chords: Vec<Vec<Direction>>,
     shape: PhaseSolver,
     scale: PhaseSolver,
     /// Systems with other stretches released than the present ones, with these stretches.
@@ -75,6 +77,8 @@ pub struct SpatialComponent {
     rescaled: Vec<Vec<c64>>,
 }
 
+/// Groups with more frames than this are worked on by all threads.
+const WORTH_THREADS: usize = 20_000;
 /// So many systems with other stretches released are kept.
 const MOST_KEPT: usize = 4;
 
@@ -86,11 +90,16 @@ enum Attempt {
 
 impl SpatialComponent {
     /// Assembles both systems. Cost: linear in frames.
-    pub fn new(rests: Vec<RestPath>, mut held: Vec<Prepared>, settings: SpatialSettings) -> Self {
+    pub fn new(
+        rests: Vec<RestPath>,
+        mut held: Vec<Prepared>,
+        settings: SpatialSettings,
+        backend: Backend,
+    ) -> Self {
         if settings.facing == FacingMode::TangentBlend {
             leave_to_the_body(&mut held, &rests);
         }
-        let [shape, scale] = assemble_both(&rests, &held, &settings, &[]);
+        let [shape, scale] = assemble_both(&rests, &held, &settings, backend, &[]);
         Self {
             shaped: rests.iter().map(|rest| rest.positions.clone()).collect(),
             edited: rests.iter().map(|rest| rest.positions.clone()).collect(),
@@ -103,6 +112,7 @@ impl SpatialComponent {
             rests,
             held,
             settings,
+            backend,
             shape,
             scale,
             others: Vec::new(),
@@ -112,7 +122,8 @@ impl SpatialComponent {
     /// Assembles anew after coefficients of held rows have changed (an offset, not a target).
     pub fn reassemble(&mut self) {
         self.others.clear();
-        [self.shape, self.scale] = assemble_both(&self.rests, &self.held, &self.settings, &self.released);
+        [self.shape, self.scale] =
+            assemble_both(&self.rests, &self.held, &self.settings, self.backend, &self.released);
     }
 
     /// Goes over to the systems with the stretches `released`, which are kept once they are assembled.
@@ -123,7 +134,7 @@ impl SpatialComponent {
         let known = self.others.iter().position(|(others, _)| *others == released);
         let [shape, scale] = match known {
             Some(place) => self.others.swap_remove(place).1,
-            None => assemble_both(&self.rests, &self.held, &self.settings, &released),
+            None => assemble_both(&self.rests, &self.held, &self.settings, self.backend, &released),
         };
         let before = [std::mem::replace(&mut self.shape, shape), std::mem::replace(&mut self.scale, scale)];
         self.others.push((std::mem::replace(&mut self.released, released), before));
@@ -249,65 +260,39 @@ impl SpatialComponent {
         let translations = reference_translations(&paths, &self.held, &unturned);
         let (held, rotations, rests) = (&self.held, &self.rotations, &self.rests);
         let relative = self.settings.relative;
-        let gauge = &self.shape.system.gauge_terms;
-        let reference = |row: usize| -> c64 {
-            gauge[row]
-                .iter()
-                .map(|(path, frame, c)| {
-                    c * (rests[*path].positions[*frame] + translations[*path].unwrap_or_default())
-                })
-                .sum()
-        };
-        let targets: Vec<c64> = (0..gauge.len()).map(reference).collect();
-        let value = |source: &Source| match source {
-            Source::Interior { .. } => c64::default(),
-            Source::Held(index) => held[*index].target(Phase::Shape, relative, rotations[*index]),
-            Source::Gauge(row) => targets[*row],
-        };
-        self.shape.set_targets(value, |_, _, _| c64::default());
+        let reference =
+            |path: usize, frame: usize| rests[path].positions[frame] + translations[path].unwrap_or_default();
+        let value = |index: usize| held[index].target(Phase::Shape, relative, rotations[index]);
+        self.shape.set_targets(value, reference);
         if let Some((rows, miss)) = self.shape.contradiction() {
             return self.clash(&rows, miss).map(Some);
         }
         self.shape.solve().map_err(|error| SpatialError::Solver(Phase::Shape, error))?;
-        for (path, shaped) in self.shaped.iter_mut().enumerate() {
-            self.shape.system.columns.points(path, &self.shape.x, |_, _| c64::default(), shaped);
-            self.factors[path].update(&self.rests[path].positions, shaped);
-        }
+        let shape = &self.shape;
+        let bend = |(path, (shaped, factors)): (usize, (&mut Vec<c64>, &mut SegmentFactors))| {
+            shape.points(path, |frame| reference(path, frame), shaped);
+            factors.update(&rests[path].positions, shaped);
+        };
+        for_each_path(rests, &mut self.shaped, &mut self.factors, bend);
         (self.energy.shape, self.energy.shape_soft) = self.shape.energies();
         Ok(None)
     }
 
     fn solve_scale(&mut self) -> Result<Option<Attempt>, SpatialError> {
         self.rescale();
-        let run_rotations = self.run_rotations();
-        let (held, rotations, rests, rescaled) = (&self.held, &self.rotations, &self.rests, &self.rescaled);
+        let (held, rotations, rescaled) = (&self.held, &self.rotations, &self.rescaled);
         let relative = self.settings.relative;
-        let gauge = &self.scale.system.gauge_terms;
-        let targets: Vec<c64> = gauge
-            .iter()
-            .map(|terms| terms.iter().map(|(path, frame, c)| c * rescaled[*path][*frame]).sum())
-            .collect();
-        let value = |source: &Source| match source {
-            Source::Interior { path, frame } => {
-                let points = &rescaled[*path];
-                points[frame + 1] - 2.0 * points[*frame] + points[frame - 1]
-            }
-            Source::Held(index) => held[*index].target(Phase::Scale, relative, rotations[*index]),
-            Source::Gauge(row) => targets[*row],
-        };
-        let run_constant = |path: usize, frame: usize, run: usize| {
-            let rest = &rests[path];
-            run_rotations[path][run] * (rest.positions[frame] - rest.positions[rest.rigid[run].0])
-        };
-        self.scale.set_targets(value, run_constant);
+        let value = |index: usize| held[index].target(Phase::Scale, relative, rotations[index]);
+        self.scale.set_targets(value, |path, frame| rescaled[path][frame]);
         if let Some((rows, miss)) = self.scale.contradiction() {
             return self.clash(&rows, miss).map(Some);
         }
         self.scale.solve().map_err(|error| SpatialError::Solver(Phase::Scale, error))?;
-        for (path, edited) in self.edited.iter_mut().enumerate() {
-            let constant = |frame, run| run_constant(path, frame, run);
-            self.scale.system.columns.points(path, &self.scale.x, constant, edited);
-        }
+        let scale = &self.scale;
+        let stretch = |(path, (edited, _)): (usize, (&mut Vec<c64>, &mut SegmentFactors))| {
+            scale.points(path, |frame| rescaled[path][frame], edited);
+        };
+        for_each_path(&self.rests, &mut self.edited, &mut self.factors, stretch);
         (self.energy.scale, self.energy.scale_soft) = self.scale.energies();
         Ok(None)
     }
@@ -315,41 +300,24 @@ impl SpatialComponent {
     /// Paths whose segments are those at rest, turned as in the shape phase, where their constraints ask for them; where
     /// none does, around the middle of the shaped path.
     fn rescale(&mut self) {
-        for (path, rescaled) in self.rescaled.iter_mut().enumerate() {
-            let (rest, shaped) = (&self.rests[path], &self.shaped[path]);
-            rescaled[0] = c64::default();
-            for segment in 0..rest.len() - 1 {
-                let step = if rest.coincide(segment, segment + 1) {
-                    c64::default()
-                } else {
-                    rest.positions[segment + 1] - rest.positions[segment]
-                };
-                rescaled[segment + 1] = rescaled[segment] + step * self.factors[path].rotations[segment];
+        let (rests, shaped, chords, released) = (&self.rests, &self.shaped, &self.chords, &self.released);
+        let turn = |(path, (rescaled, factors)): (usize, (&mut Vec<c64>, &mut SegmentFactors))| {
+            for (run, chord) in
+                chords[path].iter().enumerate().filter(|(run, _)| !released.contains(&(path, *run)))
+            {
+                let (first, last) = rests[path].rigid[run];
+                let rotation = run_rotation(chord, &shaped[path], &factors.rotations, first);
+                factors.rotations[first..last].fill(rotation);
             }
-            let count = rest.len() as f64;
-            let shift = (shaped.iter().sum::<c64>() - rescaled.iter().sum::<c64>()) / count;
-            rescaled.iter_mut().for_each(|point| *point += shift);
-        }
+            turn_steps(&rests[path], &factors.rotations, &shaped[path], rescaled);
+        };
+        for_each_path(rests, &mut self.rescaled, &mut self.factors, turn);
         let paths: Vec<&[c64]> = self.rescaled.iter().map(Vec::as_slice).collect();
         let translations = reference_translations(&paths, &self.held, &self.rotations);
         for (rescaled, translation) in self.rescaled.iter_mut().zip(translations) {
             let translation = translation.unwrap_or_default();
             rescaled.iter_mut().for_each(|point| *point += translation);
         }
-    }
-
-    /// Unit rotation of every stationary stretch in the shape phase.
-    fn run_rotations(&self) -> Vec<Vec<c64>> {
-        let rotation = |path: usize, (chord, first): &(Direction, usize)| {
-            if chord.rest.norm() > 0.0 {
-                return chord.rotation(&self.shaped[path]);
-            }
-            self.factors[path].rotations.get(*first).copied().unwrap_or(c64::new(1.0, 0.0))
-        };
-        let runs = |(path, chords): (usize, &Vec<(Direction, usize)>)| {
-            chords.iter().map(|chord| rotation(path, chord)).collect()
-        };
-        self.chords.iter().enumerate().map(runs).collect()
     }
 
     /// Releases the stationary stretches that the contradicting rows touch; without any, that is a conflict.
@@ -372,13 +340,50 @@ impl SpatialComponent {
 
     /// Number of free motions that were fixed as at rest, in the shape and the scale phase.
     pub fn gauges(&self) -> (usize, usize) {
-        (self.shape.system.gauge.len(), self.scale.system.gauge.len())
+        (self.shape.gauges(), self.scale.gauges())
     }
 }
 
-/// Longest chord and first frame of every stationary stretch of a path.
-fn chords(rest: &RestPath) -> Vec<(Direction, usize)> {
-    rest.rigid.iter().map(|run| (run_chord(rest, *run), run.0)).collect()
+/// Longest chord of every stationary stretch of a path.
+fn chords(rest: &RestPath) -> Vec<Direction> {
+    rest.rigid.iter().map(|run| run_chord(rest, *run)).collect()
+}
+
+/// Unit rotation of a stationary stretch in the shape phase; one without extent turns with its first step.
+fn run_rotation(chord: &Direction, shaped: &[c64], rotations: &[c64], first: usize) -> c64 {
+    if chord.rest.norm() > 0.0 {
+        return chord.rotation(shaped);
+    }
+    rotations.get(first).copied().unwrap_or(c64::new(1.0, 0.0))
+}
+
+/// The path of rest steps turned by `rotations`, around the middle of the shaped path.
+fn turn_steps(rest: &RestPath, rotations: &[c64], shaped: &[c64], rescaled: &mut [c64]) {
+    rescaled[0] = c64::default();
+    for segment in 0..rest.len() - 1 {
+        let step = if rest.coincide(segment, segment + 1) {
+            c64::default()
+        } else {
+            rest.positions[segment + 1] - rest.positions[segment]
+        };
+        rescaled[segment + 1] = rescaled[segment] + step * rotations[segment];
+    }
+    let shift = (shaped.iter().sum::<c64>() - rescaled.iter().sum::<c64>()) / rest.len() as f64;
+    rescaled.iter_mut().for_each(|point| *point += shift);
+}
+
+/// Calls `work` with the number, points and factors of every path, on all threads where there is enough to do.
+fn for_each_path(
+    rests: &[RestPath],
+    points: &mut [Vec<c64>],
+    factors: &mut [SegmentFactors],
+    work: impl Fn((usize, (&mut Vec<c64>, &mut SegmentFactors))) + Sync,
+) {
+    if rests.iter().map(RestPath::len).sum::<usize>() > WORTH_THREADS {
+        points.par_iter_mut().zip(factors).enumerate().with_min_len(16).for_each(|path| work(path));
+    } else {
+        points.iter_mut().zip(factors).enumerate().for_each(work);
+    }
 }
 
 fn unique(mut constraints: Vec<ConstraintId>) -> Vec<ConstraintId> {
@@ -388,10 +393,14 @@ fn unique(mut constraints: Vec<ConstraintId>) -> Vec<ConstraintId> {
 }
 
 fn assemble_both(
-    rests: &[RestPath],
+    paths: &[RestPath],
     held: &[Prepared],
     settings: &SpatialSettings,
+    backend: Backend,
     released: &[(usize, usize)],
 ) -> [PhaseSolver; 2] {
-    [Phase::Shape, Phase::Scale].map(|phase| PhaseSolver::new(rests, held, phase, settings, released))
+    [Phase::Shape, Phase::Scale].map(|phase| {
+        let freedom = Freedom { paths, phase, runs: settings.runs, released };
+        PhaseSolver::new(freedom, held, settings, backend)
+    })
 }

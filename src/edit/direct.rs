@@ -1,0 +1,167 @@
+//! One phase as the sparse system of all frames: the reference for the reduced one.
+
+use cotillion_solvers::{Factor, KktError, KktForm, LeastSquares, PointRow, RowMatrix, Workspace, analyse};
+
+use crate::edit::columns::{Columns, Freedom};
+use crate::edit::gauge;
+use crate::edit::hold::{Phase, Term};
+use crate::edit::settings::{RunMode, SpatialSettings};
+use crate::edit::springs::{RELEASED_WEIGHT, shape_spring};
+use crate::geometry::c64;
+use crate::path::RestPath;
+
+/// Interior rows, held rows and gauge rows of a group of paths over all free frames, for deviations from a reference that
+/// satisfies the interior rows.
+pub struct DirectPhase {
+    columns: Columns,
+    problem: LeastSquares<c64>,
+    /// How many rows of `M` are interior rows.
+    interior: usize,
+    /// Free motions fixed by gauge rows, the last of `H`.
+    pub gauges: usize,
+    factor: Option<(Factor<c64>, Workspace<c64>)>,
+    x: Vec<c64>,
+    soft_targets: Vec<c64>,
+    hard_targets: Vec<c64>,
+}
+
+impl DirectPhase {
+    /// Assembles. `rows`: held rows, the hard ones independent. Cost: linear in frames.
+    pub fn new(freedom: Freedom, rows: &[PointRow<c64>], settings: &SpatialSettings) -> Self {
+        let columns = Columns::all(freedom);
+        let mut soft = RowMatrix::new(columns.count);
+        for path in 0..freedom.paths.len() {
+            push_interior_rows(freedom, path, settings, |terms| {
+                soft.push_row(&columns.row(terms));
+            });
+        }
+        let interior = soft.rows();
+        let mut hard = RowMatrix::new(columns.count);
+        for row in rows {
+            let mut values = columns.row(&row.terms);
+            let Some(weight) = row.weight else {
+                hard.push_row(&values);
+                continue;
+            };
+            values.iter_mut().for_each(|(_, value)| *value *= weight.sqrt());
+            soft.push_row(&values);
+        }
+        let gauge = gauge::rows(freedom, rows);
+        gauge.iter().for_each(|terms| {
+            hard.push_row(&columns.row(terms));
+        });
+        let (soft_targets, hard_targets) =
+            (vec![c64::default(); soft.rows()], vec![c64::default(); hard.rows()]);
+        Self {
+            x: vec![c64::default(); columns.count],
+            problem: LeastSquares { columns: columns.count, soft: soft.to_csr(), hard: hard.to_csr() },
+            columns,
+            interior,
+            gauges: gauge.len(),
+            factor: None,
+            soft_targets,
+            hard_targets,
+        }
+    }
+
+    /// Factors the system unless that is done.
+    ///
+    /// # Errors
+    /// What the solver says of a matrix it cannot factor.
+    pub fn factor(&mut self) -> Result<(), KktError> {
+        if self.factor.is_none() {
+            let factor = analyse(&self.problem, KktForm::Hachtel)?.factor(&self.problem)?;
+            let workspace = factor.workspace();
+            self.factor = Some((factor, workspace));
+        }
+        Ok(())
+    }
+
+    /// Solves for one target a held row.
+    ///
+    /// # Errors
+    /// What the solver says.
+    pub fn solve(&mut self, rows: &[PointRow<c64>], targets: &[c64]) -> Result<(), KktError> {
+        self.factor()?;
+        let (mut soft, mut hard) = (self.interior, 0);
+        for (row, target) in rows.iter().zip(targets) {
+            match row.weight {
+                Some(weight) => {
+                    self.soft_targets[soft] = target * weight.sqrt();
+                    soft += 1;
+                }
+                None => {
+                    self.hard_targets[hard] = *target;
+                    hard += 1;
+                }
+            }
+        }
+        let Some((factor, workspace)) = &mut self.factor else { return Ok(()) };
+        factor.solve_into(&self.soft_targets, &self.hard_targets, &mut self.x, workspace).map(|_| ())
+    }
+
+    /// Calls `visit` with every frame of a path and its deviation.
+    pub fn visit(&self, path: usize, mut visit: impl FnMut(usize, c64)) {
+        self.columns.points(path, &self.x).enumerate().for_each(|(frame, x)| visit(frame, x));
+    }
+
+    /// Energies of the interior rows and of the soft held rows.
+    pub fn energies(&self) -> (f64, f64) {
+        let energy = |rows| self.problem.energy_of_rows(rows, &self.x, &self.soft_targets);
+        (energy(0..self.interior), energy(self.interior..self.soft_targets.len()))
+    }
+}
+
+/// Interior rows of one path: in the shape phase `−(1−c_i)·p_{i−1} + p_i − c_i·p_{i+1}`, c from the rest path, stiffened where
+/// the path is slow; in the scale phase second differences. None strictly inside a stationary stretch (but scale rows
+/// where it keeps its shape only), and one for a repeated point.
+fn push_interior_rows(
+    freedom: Freedom,
+    path: usize,
+    settings: &SpatialSettings,
+    mut push: impl FnMut(&[Term]),
+) {
+    let rest = &freedom.paths[path];
+    for frame in 1..rest.len().saturating_sub(1) {
+        let run = rest.rigid.iter().position(|(a, b)| *a < frame && frame < *b);
+        let weight = match run {
+            Some(run) if freedom.released.contains(&(path, run)) => RELEASED_WEIGHT,
+            Some(_) if freedom.phase == Phase::Scale && freedom.runs == RunMode::Similar => 1.0,
+            Some(_) => continue,
+            None => 1.0,
+        };
+        let row = match freedom.phase {
+            Phase::Shape => shape_row(rest, frame, settings),
+            Phase::Scale => Some(scale_row(frame)),
+        };
+        if let Some((frames, coefficients)) = row {
+            let factor = weight.sqrt();
+            let term = |k: usize| (path, frames[k], coefficients[k] * factor);
+            push(&[term(0), term(1), term(2)]);
+        }
+    }
+}
+
+/// Three frames and their coefficients.
+type InteriorRow = ([usize; 3], [c64; 3]);
+
+fn scale_row(frame: usize) -> InteriorRow {
+    let one = c64::new(1.0, 0.0);
+    ([frame - 1, frame, frame + 1], [one, -2.0 * one, one])
+}
+
+fn shape_row(path: &RestPath, frame: usize, settings: &SpatialSettings) -> Option<InteriorRow> {
+    let spring = shape_spring(path, frame, settings)?;
+    let points = &path.positions;
+    let frames = [frame - 1, frame, spring.next];
+    let (before, after) = (points[frame] - points[frame - 1], points[spring.next] - points[frame]);
+    if spring.free <= spring.stiffness {
+        let c = before / (points[spring.next] - points[frame - 1]);
+        let factor = (spring.stiffness / spring.free).sqrt();
+        let one = c64::new(1.0, 0.0);
+        return Some((frames, [(c - one) * factor, one * factor, -c * factor]));
+    }
+    let root = spring.stiffness.sqrt();
+    let (b, a) = (root / before, root / after);
+    Some((frames, [b, -(b + a), a]))
+}

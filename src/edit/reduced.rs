@@ -1,0 +1,71 @@
+//! One phase reduced exactly to its held rows: paths as springs.
+
+use cotillion_solvers::{Bent, Compliance, ComplianceFactor, KktError, PointRow};
+
+use crate::edit::columns::Freedom;
+use crate::edit::settings::SpatialSettings;
+use crate::edit::springs::{run_rows, spring_path};
+use crate::geometry::c64;
+
+/// Springs of a group of paths with its held rows, for deviations from a reference that bends no spring.
+pub struct ReducedPhase {
+    problem: Compliance,
+    factor: Option<(ComplianceFactor, Bent)>,
+    /// Of held rows, then of rigid stretches, which are 0.
+    targets: Vec<c64>,
+}
+
+impl ReducedPhase {
+    /// Assembles, or `None` where springs cannot express the paths. `rows`: held rows, the hard ones independent. Cost:
+    /// linear in frames.
+    pub fn new(freedom: Freedom, rows: &[PointRow<c64>], settings: &SpatialSettings) -> Option<Self> {
+        let paths = (0..freedom.paths.len()).map(|path| spring_path(freedom, path, settings));
+        let paths = paths.collect::<Option<Vec<_>>>()?;
+        let mut all = rows.to_vec();
+        all.extend(run_rows(freedom));
+        let targets = vec![c64::default(); all.len()];
+        Some(Self { problem: Compliance::new(paths, all), factor: None, targets })
+    }
+
+    /// Factors the system unless that is done.
+    ///
+    /// # Errors
+    /// What the solver says of a matrix it cannot factor.
+    pub fn factor(&mut self) -> Result<(), KktError> {
+        if self.factor.is_none() {
+            let factor = self.problem.analyse()?.factor(&self.problem)?;
+            let bent = Bent::new(&self.problem, &factor);
+            self.factor = Some((factor, bent));
+        }
+        Ok(())
+    }
+
+    /// Solves for one target a held row.
+    ///
+    /// # Errors
+    /// What the solver says.
+    pub fn solve(&mut self, targets: &[c64]) -> Result<(), KktError> {
+        self.factor()?;
+        self.targets[..targets.len()].copy_from_slice(targets);
+        let Some((factor, bent)) = &mut self.factor else { return Ok(()) };
+        bent.solve(&self.problem, factor, &self.targets).map(|_| ())
+    }
+
+    /// Calls `visit` with every frame of a path and its deviation.
+    pub fn visit(&self, path: usize, mut visit: impl FnMut(usize, c64)) {
+        if let Some((_, bent)) = &self.factor {
+            bent.expand(&self.problem, path, |frame, x, _| visit(frame, x));
+        }
+    }
+
+    /// Energies of the springs and of the soft held rows.
+    pub fn energies(&self) -> (f64, f64) {
+        let of = |(_, bent): &(_, Bent)| (bent.spring_energy(&self.problem), bent.soft_energy(&self.problem));
+        self.factor.as_ref().map_or((0.0, 0.0), of)
+    }
+
+    /// Free motions fixed as at rest.
+    pub fn gauges(&self) -> usize {
+        self.problem.free_motions()
+    }
+}

@@ -1,0 +1,105 @@
+//! How stiff a path is, frame by frame: stiffness of its local similarity factors in the shape phase, evenly stiff second
+//! differences in the scale phase. Source: Kim et al. 2009, eqs. 3 and 7.
+
+use cotillion_solvers::{PointRow, SpringPath};
+
+use crate::clip::working::WORKING_STEP;
+use crate::edit::columns::Freedom;
+use crate::edit::hold::Phase;
+use crate::edit::settings::SpatialSettings;
+use crate::geometry::c64;
+use crate::path::RestPath;
+
+/// Rows inside a stationary stretch that had to be released weigh this much more than others.
+pub const RELEASED_WEIGHT: f64 = 100.0;
+/// Rows are stiffened by at most this factor of their weight.
+const MOST_STIFFENING: f64 = 1e8;
+
+/// The spring of an interior frame in the shape phase: energy `½ κ |z_i − z_{i−1}|²`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ShapeSpring {
+    /// Next frame at another point.
+    pub next: usize,
+    /// κ of the published row: `|v_{i−1}|²|v_i|²/|t_i|²`, m²; infinite where a path turns back on itself.
+    pub free: f64,
+    /// κ within floor and cap, m².
+    pub stiffness: f64,
+}
+
+/// The spring at interior frame `frame`; `None` at later frames of a repeated point, and where it lies at an end of the
+/// path.
+pub fn shape_spring(path: &RestPath, frame: usize, settings: &SpatialSettings) -> Option<ShapeSpring> {
+    if path.coincide(frame - 1, frame) {
+        return None;
+    }
+    let next = (frame + 1..path.len()).find(|next| !path.coincide(next - 1, *next))?;
+    let points = &path.positions;
+    let (before, after) = (points[frame] - points[frame - 1], points[next] - points[frame]);
+    let tangent = points[next] - points[frame - 1];
+    let free = before.norm_sqr() * after.norm_sqr() / tangent.norm_sqr();
+    let floor = (WORKING_STEP * settings.stiffness_speed / 2.0).powi(2);
+    let stiffness = free.max(floor.min(free * MOST_STIFFENING)).min(settings.stiffness_cap);
+    Some(ShapeSpring { next, free, stiffness })
+}
+
+/// Path `path` as a chain of springs, and the rows that keep its stationary stretches. `None` where springs cannot say what
+/// a stretch keeps: its shape up to similarity, in the scale phase. Cost: linear in frames.
+pub fn spring_path(freedom: Freedom, path: usize, settings: &SpatialSettings) -> Option<SpringPath> {
+    match freedom.phase {
+        Phase::Shape => Some(shape_path(freedom, path, settings)),
+        Phase::Scale => scale_path(freedom, path),
+    }
+}
+
+fn shape_path(freedom: Freedom, path: usize, settings: &SpatialSettings) -> SpringPath {
+    let rest = &freedom.paths[path];
+    let mut compliances = vec![0.0; rest.len()];
+    for frame in 1..rest.len().saturating_sub(1) {
+        if let Some(spring) = shape_spring(rest, frame, settings) {
+            compliances[frame] = spring.stiffness.recip();
+        }
+    }
+    for (run, (first, last)) in rest.rigid.iter().enumerate().filter(|(_, (a, b))| a < b) {
+        let inside = &mut compliances[first + 1..*last];
+        if freedom.released.contains(&(path, run)) {
+            inside.iter_mut().for_each(|compliance| *compliance /= RELEASED_WEIGHT);
+        } else {
+            inside.fill(0.0);
+        }
+    }
+    let mut points = rest.positions.clone();
+    for frame in 1..points.len() {
+        if rest.coincide(frame - 1, frame) {
+            points[frame] = points[frame - 1];
+        }
+    }
+    SpringPath::Listed { points, compliances }
+}
+
+fn scale_path(freedom: Freedom, path: usize) -> Option<SpringPath> {
+    let rest = &freedom.paths[path];
+    let mut stretches = vec![(0, 1.0)];
+    for (run, (first, last)) in rest.rigid.iter().enumerate().filter(|(_, (a, b))| a < b) {
+        let released = freedom.released.contains(&(path, run));
+        if !released && freedom.runs == crate::edit::settings::RunMode::Similar {
+            return None;
+        }
+        stretches.push((first + 1, if released { RELEASED_WEIGHT.recip() } else { 0.0 }));
+        stretches.push((*last, 1.0));
+    }
+    Some(SpringPath::Even { count: rest.len(), stretches })
+}
+
+/// Rows that keep the rigid stretches of the scale phase as they are: nothing is added to their first step.
+pub fn run_rows(freedom: Freedom) -> Vec<PointRow<c64>> {
+    let one = c64::new(1.0, 0.0);
+    let mut rows = Vec::new();
+    if freedom.phase == Phase::Scale {
+        for path in 0..freedom.paths.len() {
+            for (first, _) in freedom.kept_runs(path).filter(|(first, last)| first < last) {
+                rows.push(PointRow::hard(vec![(path, first + 1, one), (path, first, -one)]));
+            }
+        }
+    }
+    rows
+}
