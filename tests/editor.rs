@@ -295,6 +295,10 @@ fn pins_moved_apart_and_a_relative_facing_turn_people_without_stretching_them() 
     }
 }
 
+/// The stretches that one offset cannot follow are squeezed to 8e-6 m in the shape phase; their direction comes from points up to
+/// 9 m away, rounded to 1e-15 m each, some ten of which add up: radians.
+const SHRUNK_FACING: f64 = 1e-8;
+
 const INTERVALS: &str = r#"
 [[relative]]
 name = "stay together"
@@ -316,9 +320,11 @@ fn hard_intervals_hold_at_every_sample() {
     let residuals = cotillion::residual::residuals(editor.scene(), &edit);
     for name in ["stay together", "in step", "slap"] {
         let residual = residuals[id(&editor, name).as_usize()];
-        for miss in [residual.position, residual.facing, residual.seconds].into_iter().flatten() {
+        for miss in [residual.position, residual.seconds].into_iter().flatten() {
             assert!(miss < ROUNDING, "{name} misses by {miss:e}");
         }
+        let facing = residual.facing.unwrap_or(0.0);
+        assert!(facing < SHRUNK_FACING, "{name} misses by {facing:e} rad");
     }
     let released = edit.notes.iter().filter(|note| matches!(note, EditNote::Released { .. })).count();
     assert_eq!(released, 2, "both sway in their own way, which one offset cannot follow: {:?}", edit.notes);

@@ -5,10 +5,15 @@ use crate::compliance::{Compliance, ComplianceFactor};
 use crate::error::{KktError, SolveReport};
 use crate::lu::LuScratch;
 use crate::refine::{largest, relative_to};
+use crate::scalar::TwoPart;
 use crate::springs::{Load, State};
 
-/// Refinement ends when the next correction is expected to move points by less than this, relative to the farthest.
+/// Refinement ends when the next correction is expected to move points by less than this, relative to the farthest, …
 const CORRECTION_GOAL: f64 = 1e-15;
+/// … and rows are missed by less than this, relative to the largest target.
+const ROW_GOAL: f64 = 3e-14;
+/// From this step on loads are summed to about 32 digits: forces that nearly cancel leave too few otherwise.
+const FIRST_COMPENSATED_STEP: usize = 2;
 /// Most refinements of one solve.
 const MOST_REFINEMENTS: usize = 6;
 /// Solutions that miss their rows by more, relative to the targets, are refused.
@@ -18,9 +23,9 @@ const ALLOWED_RESIDUAL: f64 = 1e-9;
 /// of solves; nothing else is allocated.
 pub struct Bent {
     /// Multipliers, one a row.
-    lambda: Vec<c64>,
+    lambda: Vec<TwoPart<c64>>,
     /// Multipliers, similarities and multipliers of free motions, of the scaled system.
-    unknowns: Vec<c64>,
+    unknowns: Vec<TwoPart<c64>>,
     residual: Vec<c64>,
     values: Vec<c64>,
     /// First node of each path in `loads` and `states`; one more entry closes the last.
@@ -42,8 +47,8 @@ impl Bent {
         }));
         let nodes = starts[problem.loads.len()];
         Self {
-            lambda: vec![c64::default(); problem.rows.len()],
-            unknowns: vec![c64::default(); problem.layout.size],
+            lambda: vec![TwoPart::default(); problem.rows.len()],
+            unknowns: vec![TwoPart::default(); problem.layout.size],
             residual: vec![c64::default(); problem.layout.size],
             values: vec![c64::default(); problem.rows.len()],
             starts,
@@ -66,26 +71,26 @@ impl Bent {
         targets: &[c64],
     ) -> Result<SolveReport, KktError> {
         check(problem, targets)?;
-        self.unknowns.fill(c64::default());
+        self.unknowns.fill(TwoPart::default());
         self.residual.fill(c64::default());
         self.residual.iter_mut().zip(targets).zip(&problem.scales).for_each(|((r, d), s)| *r = d * s);
         let scale = largest(&self.residual);
-        let (mut last, mut refinements) = (1.0, 0);
+        let (mut last, mut missed, mut refinements) = (1.0, f64::INFINITY, 0);
         for step in 0..=MOST_REFINEMENTS {
             factor.lu().substitute(&mut self.residual, &mut self.scratch);
-            self.unknowns.iter_mut().zip(&self.residual).for_each(|(u, change)| *u += change);
-            let correction = self.bend_nodes(problem);
+            self.unknowns.iter_mut().zip(&self.residual).for_each(|(u, change)| u.add(*change));
+            let correction = self.bend_nodes(problem, step >= FIRST_COMPENSATED_STEP);
             self.find_residual(problem, targets);
-            let expected = if step == 0 { correction } else { correction * correction / last };
-            refinements = step;
-            if !correction.is_finite() || (step > 0 && (expected <= CORRECTION_GOAL || correction > last)) {
-                last = correction;
+            let misses = relative_to(largest(&self.residual[..problem.rows.len()]), scale);
+            let settled = correction * correction <= CORRECTION_GOAL * last && misses <= ROW_GOAL;
+            let stalled = step > FIRST_COMPENSATED_STEP && misses > 0.5 * missed;
+            (last, missed, refinements) = (correction, misses, step);
+            if scale == 0.0 || !correction.is_finite() || (step > 0 && settled) || stalled {
                 break;
             }
-            last = correction;
         }
         let relative_residual = self.check_solution(problem, scale)?;
-        self.settle_free_motions(problem);
+        self.settle_free_motions(problem, refinements >= FIRST_COMPENSATED_STEP);
         Ok(SolveReport {
             energy: self.spring_energy(problem) + self.soft_energy(problem),
             hard_residual: self.hard_residual(problem, targets),
@@ -96,21 +101,26 @@ impl Bent {
     }
 
     /// Loads and states at all nodes from the unknowns; how far points moved, relative to the farthest.
-    fn bend_nodes(&mut self, problem: &Compliance) -> f64 {
+    fn bend_nodes(&mut self, problem: &Compliance, compensated: bool) -> f64 {
         for ((lambda, unknown), scale) in self.lambda.iter_mut().zip(&self.unknowns).zip(&problem.scales) {
-            *lambda = unknown * (scale / problem.unit);
+            *lambda = unknown.scaled(scale / problem.unit);
         }
         let (mut moved, mut farthest) = (0.0_f64, 0.0_f64);
         for (path, loads) in problem.loads.iter().enumerate() {
             let nodes = self.starts[path]..self.starts[path + 1];
-            loads.loads_under(&self.lambda, &mut self.loads[nodes.clone()]);
+            if compensated {
+                loads.compensated_loads_under(&self.lambda, &mut self.loads[nodes.clone()]);
+            } else {
+                loads.loads_under(&self.lambda, &mut self.loads[nodes.clone()]);
+            }
             let y = &self.unknowns[problem.layout.similarities[path]..problem.layout.similarities[path + 1]];
+            let y = [y[0].high, y.get(1).map_or(c64::default(), |turn| turn.high)];
             let mut see = |before: c64, after: c64| {
                 moved = moved.max((after - before).norm_sqr());
                 farthest = farthest.max(after.norm_sqr());
             };
             self.origins[path] =
-                loads.states_under(y, &self.loads[nodes.clone()], &mut self.states[nodes], &mut see);
+                loads.states_under(&y, &self.loads[nodes.clone()], &mut self.states[nodes], &mut see);
         }
         relative_to(moved.sqrt(), farthest.sqrt())
     }
@@ -125,30 +135,31 @@ impl Bent {
             loads.add_rows(&self.states[self.starts[path]..self.starts[path + 1]], &mut self.values);
             let start = layout.similarities[path] - problem.rows.len();
             loads.visit_similarities(|row, motion, value| {
-                rest[start + motion] -= value.conj() * self.lambda[row] * problem.unit;
+                rest[start + motion] -= value.conj() * self.lambda[row].high * problem.unit;
             });
         }
         for (index, combination) in problem.free.iter().enumerate() {
             let column = layout.free + index;
             for (motion, share) in combination {
-                self.residual[problem.rows.len() + motion] -= share * self.unknowns[column];
-                self.residual[column] -= share.conj() * self.unknowns[problem.rows.len() + motion];
+                self.residual[problem.rows.len() + motion] -= share * self.unknowns[column].high;
+                self.residual[column] -= share.conj() * self.unknowns[problem.rows.len() + motion].high;
             }
         }
         for (index, row) in problem.rows.iter().enumerate() {
-            let slack = row.weight.map_or(c64::default(), |weight| self.lambda[index] / weight);
+            let slack = row.weight.map_or(c64::default(), |weight| self.lambda[index].high / weight);
             self.residual[index] = problem.scales[index] * (targets[index] - self.values[index] - slack);
         }
     }
 
     fn check_solution(&self, problem: &Compliance, scale: f64) -> Result<f64, KktError> {
-        if !self.unknowns.iter().all(|u| u.is_finite()) || !self.states.iter().all(|s| s.point.is_finite()) {
+        if !self.unknowns.iter().all(|u| u.high.is_finite())
+            || !self.states.iter().all(|s| s.point.is_finite())
+        {
             return Err(KktError::SolutionNotFinite);
         }
         let (rows, balance) = self.residual.split_at(problem.rows.len());
-        let forces = largest(&self.unknowns[..problem.rows.len()]);
-        let relative =
-            relative_to(largest(rows), scale).max(relative_to(largest(balance), forces.max(scale)));
+        let forces = self.unknowns[..problem.rows.len()].iter().map(|u| u.high.norm()).fold(scale, f64::max);
+        let relative = relative_to(largest(rows), scale).max(relative_to(largest(balance), forces));
         if relative <= ALLOWED_RESIDUAL {
             Ok(relative)
         } else {
@@ -163,7 +174,7 @@ impl Bent {
     }
 
     /// Takes off what the springs moved along free motions: no row sees it, and all points together stay nearest to zero.
-    fn settle_free_motions(&mut self, problem: &Compliance) {
+    fn settle_free_motions(&mut self, problem: &Compliance, compensated: bool) {
         if problem.free.is_empty() {
             return;
         }
@@ -181,10 +192,10 @@ impl Bent {
                 share += value.conj() * components[first + motion - problem.layout.similarities[path]];
             }
             for (motion, value) in combination {
-                self.unknowns[first + motion] -= value * share;
+                self.unknowns[first + motion].add(-value * share);
             }
         }
-        self.bend_nodes(problem);
+        self.bend_nodes(problem, compensated);
     }
 
     /// Components of a bent path along its similarities.
@@ -222,8 +233,8 @@ impl Bent {
 
     /// `½ Σ w_r |C_r x − d_r|²` of the soft rows.
     pub fn soft_energy(&self, problem: &Compliance) -> f64 {
-        let soft = |(row, lambda): (&crate::PointRow<c64>, &c64)| {
-            row.weight.map_or(0.0, |weight| 0.5 * lambda.norm_sqr() / weight)
+        let soft = |(row, lambda): (&crate::PointRow<c64>, &TwoPart<c64>)| {
+            row.weight.map_or(0.0, |weight| 0.5 * lambda.high.norm_sqr() / weight)
         };
         problem.rows.iter().zip(&self.lambda).map(soft).sum()
     }

@@ -4,6 +4,7 @@
 use std::ops::Range;
 
 use crate::c64;
+use crate::scalar::TwoPart;
 use crate::springs::{Load, Moments, SpringPath, State};
 
 /// Rest points closer together than this, relative to their distance from the origin, have no extent.
@@ -175,11 +176,11 @@ impl PathLoads {
     }
 
     /// Loads about all nodes under the multipliers `lambda` of all rows.
-    pub(crate) fn loads_under(&self, lambda: &[c64], loads: &mut [Load]) {
+    pub(crate) fn loads_under(&self, lambda: &[TwoPart<c64>], loads: &mut [Load]) {
         loads.fill(Load::default());
         for row in &self.rows {
             for (node, value) in &self.terms[row.terms.clone()] {
-                loads[*node].force += value.conj() * lambda[row.row];
+                loads[*node].force += value.conj() * lambda[row.row].high;
             }
         }
         let mut load = Load::default();
@@ -190,16 +191,33 @@ impl PathLoads {
         }
     }
 
+    /// The same, summed to about 32 digits.
+    pub(crate) fn compensated_loads_under(&self, lambda: &[TwoPart<c64>], loads: &mut [Load]) {
+        let mut mu = vec![TwoPart::<c64>::default(); loads.len()];
+        for row in &self.rows {
+            for (node, value) in &self.terms[row.terms.clone()] {
+                mu[*node].add_scaled(lambda[row.row], value.conj());
+            }
+        }
+        let (mut force, mut moment) = (TwoPart::<c64>::default(), TwoPart::<c64>::default());
+        for node in (0..loads.len()).rev() {
+            let chord = self.moments.get(node + 1).map_or(c64::default(), |after| after.chord);
+            moment.add_scaled(force, chord.conj());
+            force.add_scaled(mu[node], c64::new(1.0, 0.0));
+            loads[node] = Load { force: force.high, moment: moment.high };
+        }
+    }
+
     /// State of the first point under the shares `y` of the similarities, and of all nodes under `loads`.
     /// `see` is told each node's point before and after.
     pub(crate) fn states_under(
         &self,
-        y: &[c64],
+        y: &[c64; 2],
         loads: &[Load],
         states: &mut [State],
         see: &mut impl FnMut(c64, c64),
     ) -> State {
-        let turn = y.get(1).map_or(c64::default(), |share| share / self.radius);
+        let turn = if self.radius > 0.0 { y[1] / self.radius } else { c64::default() };
         let shift = y[0] / (self.points as f64).sqrt();
         let start = State { point: shift + turn * (self.first - self.centre), factor: turn };
         let mut state = start;

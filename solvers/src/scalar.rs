@@ -23,6 +23,26 @@ pub struct TwoPart<T> {
     pub low: T,
 }
 
+impl<T: Scalar> TwoPart<T> {
+    /// Adds `change`.
+    pub fn add(&mut self, change: T) {
+        T::add_product(self, change, T::one());
+    }
+
+    /// Adds `other · factor`.
+    pub fn add_scaled(&mut self, other: Self, factor: T) {
+        T::add_product(self, other.high, factor);
+        T::add_product(self, other.low, factor);
+    }
+
+    /// This number times a real factor.
+    pub fn scaled(self, factor: f64) -> Self {
+        let mut product = Self::default();
+        product.add_scaled(self, T::from_real(factor));
+        product
+    }
+}
+
 impl Scalar for f64 {
     fn add_product(sum: &mut TwoPart<f64>, a: f64, b: f64) {
         (sum.high, sum.low) = plus_product(sum.high, sum.low, a, b);
