@@ -1,5 +1,7 @@
 //! A scene that passes the check never panics later, whatever it asks for: it has a finite answer or an error.
 
+mod agree;
+
 use std::fmt::Write;
 use std::path::Path;
 
@@ -115,6 +117,7 @@ fn perform(text: &str) -> Result<bool, TestCaseError> {
     let Ok(loaded) = load_text(text, Path::new("any.toml"), &ClipFolders::default()) else {
         return Ok(false);
     };
+    agree::both_backends(&loaded.scene).map_err(TestCaseError::fail)?;
     let mut editor = match Editor::new(loaded.scene) {
         Ok(editor) => editor,
         Err(error) => {

@@ -1,5 +1,8 @@
 //! Every scene of `scenes/` runs, and what it says holds: hard constraints to 1e-9, synchronised moments to 1e-9 s,
-//! finite poses, the same bytes twice. Scenes on real capture are reported as skipped where there is none.
+//! finite poses, the same bytes twice, the same answer
+//! by both backends. Scenes on real capture are reported as skipped where there is none.
+
+mod agree;
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -58,6 +61,7 @@ fn holds(path: &Path, folders: &ClipFolders) -> Result<(), Failed> {
     if let Some(warning) = warnings.first() {
         return Err(format!("a scene of ours is free of warnings: {}", warning.message).into());
     }
+    agree::both_backends(&scene)?;
     let files = edited(&scene)?;
     if files != edited(&scene)? {
         return Err("two runs give different bytes".into());
