@@ -1,0 +1,419 @@
+//! Paths condensed to their constrained points have the minimisers and energies of all their points.
+
+use cotillion_solvers::workload::{Workload, relay_chain};
+use cotillion_solvers::{
+    ChainPiece, ChainRow, ChainSystem, ChainTree, ChainWorkspace, KktError, KktForm, LeastSquares, PointRow,
+    RowMatrix, RowTargets, SolveReport, SplicePart, analyse, c64, compose, condense, shape_rows, solve,
+    splice,
+};
+use proptest::prelude::*;
+
+const ONE: c64 = c64::new(1.0, 0.0);
+
+/// Reference values carry 16 digits, and positions are below 100.
+const REFERENCE_TOLERANCE: f64 = 1e-10;
+/// Positions reach 1 500 and add up over a thousand paths.
+const LONG_CHAIN_TOLERANCE: f64 = 1e-6;
+/// Random problems have positions below about 10, and conditions below about 1e5.
+const ROUNDING: f64 = 1e-9;
+
+/// A path system, with targets, as the full problem over all points sees it.
+struct System {
+    paths: Vec<Vec<ChainRow>>,
+    row_targets: Vec<Vec<c64>>,
+    point_rows: Vec<PointRow<c64>>,
+    point_targets: Vec<c64>,
+}
+
+impl System {
+    fn of_workload(workload: Workload) -> Self {
+        let paths: Vec<_> = workload.paths.iter().map(|path| shape_rows(path)).collect();
+        let row_targets = paths.iter().map(|rows| vec![c64::default(); rows.len()]).collect();
+        Self { paths, row_targets, point_rows: workload.rows, point_targets: workload.targets }
+    }
+
+    fn blank_points(&self) -> Vec<Vec<c64>> {
+        self.paths.iter().map(|rows| vec![c64::default(); rows.len() + 2]).collect()
+    }
+
+    fn condensed(&self, row_targets: RowTargets) -> Result<(SolveReport, Vec<Vec<c64>>), KktError> {
+        let system = ChainSystem::new(&self.paths, &self.point_rows, row_targets)?;
+        let factor = analyse(system.problem(), KktForm::Hachtel)?.factor(system.problem())?;
+        let mut workspace = system.workspace(&factor);
+        let row_targets = if row_targets == RowTargets::Zero { &[] } else { self.row_targets.as_slice() };
+        let report = system.solve_into(&factor, &self.point_targets, row_targets, &mut workspace)?;
+        let mut points = self.blank_points();
+        system.expand(&workspace, &mut points)?;
+        Ok((report, points))
+    }
+
+    fn full(&self) -> Result<(SolveReport, Vec<Vec<c64>>), KktError> {
+        let (problem, m, h) = self.full_problem();
+        let solution = solve(&problem, &m, &h)?;
+        let mut rest = solution.x.as_slice();
+        let mut points = self.blank_points();
+        for path in &mut points {
+            let (own, others) = rest.split_at(path.len());
+            path.copy_from_slice(own);
+            rest = others;
+        }
+        Ok((solution.report, points))
+    }
+
+    fn full_problem(&self) -> (LeastSquares<c64>, Vec<c64>, Vec<c64>) {
+        let mut starts = vec![0];
+        self.paths.iter().for_each(|rows| starts.push(starts[starts.len() - 1] + rows.len() + 2));
+        let columns = starts[self.paths.len()];
+        let (mut soft, mut hard) = (RowMatrix::new(columns), RowMatrix::new(columns));
+        let (mut m, mut h) = (Vec::new(), Vec::new());
+        for ((rows, targets), start) in self.paths.iter().zip(&self.row_targets).zip(&starts) {
+            for (r, (row, target)) in rows.iter().zip(targets).enumerate() {
+                soft.push_row(&[0, 1, 2].map(|k: usize| (start + r + k, row[k])));
+                m.push(*target);
+            }
+        }
+        for (row, &target) in self.point_rows.iter().zip(&self.point_targets) {
+            let root = row.weight.map_or(1.0, f64::sqrt);
+            let terms: Vec<_> = row.terms.iter().map(|&(p, i, a)| (starts[p] + i, a * root)).collect();
+            let (rows, goals) = if row.weight.is_some() { (&mut soft, &mut m) } else { (&mut hard, &mut h) };
+            rows.push_row(&terms);
+            goals.push(target * root);
+        }
+        (LeastSquares { columns, soft: soft.to_csr(), hard: hard.to_csr() }, m, h)
+    }
+}
+
+fn farthest(a: &[Vec<c64>], b: &[Vec<c64>]) -> f64 {
+    a.iter().flatten().zip(b.iter().flatten()).map(|(a, b)| (a - b).norm()).fold(0.0, f64::max)
+}
+
+#[test]
+fn ten_condensed_paths_match_the_reference() {
+    let (report, points) =
+        System::of_workload(relay_chain(10)).condensed(RowTargets::Zero).expect("four pins hold the chain");
+    let reference = c64::new(5.813_551_112_688_542, 2.769_720_488_645_895_7);
+    assert!((points[5][100] - reference).norm() < REFERENCE_TOLERANCE);
+    let reference = c64::new(0.104_599_182_720_965_8, 0.082_369_634_562_799_6);
+    assert!((points[0][5] - reference).norm() < REFERENCE_TOLERANCE);
+    assert!(report.hard_residual < 1e-12);
+}
+
+#[test]
+fn seventy_eight_condensed_paths_match_the_reference() {
+    let (_, points) =
+        System::of_workload(relay_chain(78)).condensed(RowTargets::Zero).expect("four pins hold the chain");
+    let reference = c64::new(58.998_429_613_471_06, 9.413_471_960_046_654);
+    assert!((points[39][100] - reference).norm() < REFERENCE_TOLERANCE);
+    let reference = c64::new(0.092_148_887_768_899_7, 0.069_138_873_359_794_5);
+    assert!((points[0][5] - reference).norm() < REFERENCE_TOLERANCE);
+}
+
+#[test]
+fn thousand_condensed_paths_agree_with_all_their_points() {
+    let system = System::of_workload(relay_chain(1000));
+    let (report, points) = system.condensed(RowTargets::Zero).expect("four pins hold the chain");
+    let (full_report, full_points) = system.full().expect("four pins hold the chain");
+    assert!(farthest(&points, &full_points) < LONG_CHAIN_TOLERANCE);
+    assert!((report.energy / full_report.energy - 1.0).abs() < 1e-8);
+}
+
+#[test]
+fn zero_targets_given_or_not_are_the_same() {
+    let system = System::of_workload(relay_chain(10));
+    let (_, silent) = system.condensed(RowTargets::Zero).expect("four pins hold the chain");
+    let (_, given) = system.condensed(RowTargets::PerSolve).expect("four pins hold the chain");
+    assert_eq!(silent, given);
+}
+
+/// Large enough to be spread over threads.
+#[test]
+fn bytes_do_not_depend_on_the_number_of_threads() {
+    let system = System::of_workload(relay_chain(200));
+    let on_threads = |count| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(count).build().expect("threads start");
+        pool.install(|| system.condensed(RowTargets::PerSolve)).expect("four pins hold the chain").1
+    };
+    assert_eq!(on_threads(1), on_threads(3));
+}
+
+#[test]
+fn solves_with_other_targets_in_between_repeat_to_the_last_bit() {
+    let workload = relay_chain(10);
+    let dragged = workload.dragged(3).0;
+    let System { paths, point_rows, point_targets, .. } = System::of_workload(workload);
+    let system = ChainSystem::new(&paths, &point_rows, RowTargets::Zero).expect("rows are finite");
+    let analysis = analyse(system.problem(), KktForm::Hachtel).expect("shapes fit");
+    let factor = analysis.factor(system.problem()).expect("four pins hold the chain");
+    let mut workspace = system.workspace(&factor);
+    let mut solve_and_expand = |targets: &[c64], workspace: &mut ChainWorkspace| {
+        let mut points: Vec<_> = paths.iter().map(|rows| vec![ONE; rows.len() + 2]).collect();
+        system.solve_into(&factor, targets, &[], workspace).expect("four pins hold the chain");
+        system.expand(workspace, &mut points).expect("shapes fit");
+        points
+    };
+    let first = solve_and_expand(&point_targets, &mut workspace);
+    assert!(farthest(&first, &solve_and_expand(&dragged, &mut workspace)) > 0.01);
+    assert_eq!(first, solve_and_expand(&point_targets, &mut workspace));
+}
+
+/// A path whose points all differ.
+fn wavy_path(count: usize) -> Vec<c64> {
+    (0..count)
+        .map(|i| c64::new(0.05 * i as f64, 0.3 * (0.11 * i as f64).sin() + 0.02 * (i as f64).cos()))
+        .collect()
+}
+
+fn second_differences(count: usize) -> Vec<ChainRow> {
+    vec![[ONE, -2.0 * ONE, ONE]; count]
+}
+
+/// Targets of every row of a path that are met by itself.
+fn values_of_rows(rows: &[ChainRow], points: &[c64]) -> Vec<c64> {
+    rows.iter().zip(points.windows(3)).map(|(row, p)| row[0] * p[0] + row[1] * p[1] + row[2] * p[2]).collect()
+}
+
+fn corners(points: &[c64], first: usize, last: usize) -> [c64; 4] {
+    [points[first], points[first + 1], points[last], points[last + 1]]
+}
+
+#[test]
+fn similarities_cost_a_condensed_shape_nothing() {
+    let path = wavy_path(200);
+    let rows = shape_rows(&path);
+    for (first, last) in [(0, 198), (3, 4), (10, 12), (10, 13), (50, 150)] {
+        let piece = condense(&rows[first..last], &vec![c64::default(); last - first]).expect("points differ");
+        let moved = corners(&path, first, last).map(|p| c64::new(0.3, -1.2) * p + c64::new(5.0, 2.0));
+        assert!(piece.energy(moved) < 1e-26, "rows {first}..{last}");
+        let mut bent = moved;
+        bent[3] += c64::new(0.0, 0.1);
+        assert!(piece.energy(bent) > 1e-6, "rows {first}..{last}: rank two, not less");
+    }
+}
+
+#[test]
+fn condensed_second_differences_have_cubic_interiors() {
+    let (count, wobble) = (200, |i: usize| c64::new((0.3 * i as f64).sin(), (0.7 * i as f64).cos()));
+    let rows = second_differences(count - 2);
+    let sums: Vec<c64> = (0..count).map(|i| wobble(i) * 0.1 * i as f64).collect();
+    let system = System {
+        row_targets: vec![values_of_rows(&rows, &sums)],
+        paths: vec![rows],
+        point_rows: [20, 21, 90, 150, 151].map(|i| PointRow::hard(vec![(0, i, ONE)])).to_vec(),
+        point_targets: [3.0, 2.9, 4.0, 1.0, 2.0].map(|x| c64::new(x, 1.0 - x)).to_vec(),
+    };
+    let (_, points) = system.condensed(RowTargets::PerSolve).expect("pins hold the path");
+    let q: Vec<c64> = points[0].iter().zip(&sums).map(|(p, sum)| p - sum).collect();
+    let size = q.iter().map(|q| q.norm()).fold(0.0, f64::max);
+    let inside =
+        |start: usize| start + 4 <= 20 + 1 || (20..=86).contains(&start) || (90..=147).contains(&start);
+    for (start, w) in q.windows(5).enumerate().filter(|&(start, _)| inside(start)) {
+        let fourth = w[0] - 4.0 * w[1] + 6.0 * w[2] - 4.0 * w[3] + w[4];
+        assert!(fourth.norm() < 1e-12 * size, "fourth difference {fourth} at {start}");
+    }
+}
+
+#[test]
+fn extended_ends_meet_their_rows() {
+    let path = wavy_path(60);
+    let rows = shape_rows(&path);
+    let targets: Vec<c64> = (0..58).map(|i| c64::new(0.01 * i as f64, -0.1)).collect();
+    let system = System {
+        paths: vec![rows.clone()],
+        row_targets: vec![targets.clone()],
+        point_rows: [30, 40].map(|i| PointRow::hard(vec![(0, i, ONE)])).to_vec(),
+        point_targets: vec![ONE, 3.0 * ONE],
+    };
+    let (_, points) = system.condensed(RowTargets::PerSolve).expect("two pins fix a similarity");
+    for (row, (value, target)) in values_of_rows(&rows, &points[0]).iter().zip(&targets).enumerate() {
+        let free = !(30..41).contains(&row);
+        assert!(!free || (value - target).norm() < 1e-12, "row {row} of a free end");
+    }
+}
+
+/// A row without its last coefficient says nothing about where the path goes on.
+#[test]
+fn ends_that_rows_do_not_determine_step_by_step_are_kept() {
+    let mut rows = shape_rows(&wavy_path(30));
+    rows[25][2] = c64::default();
+    rows[3][0] = c64::default();
+    let system = System {
+        row_targets: vec![vec![c64::default(); rows.len()]],
+        paths: vec![rows],
+        point_rows: [10, 11, 18].map(|i| PointRow::soft(vec![(0, i, ONE)], 2.0)).to_vec(),
+        point_targets: vec![ONE, c64::new(1.1, 0.2), 2.0 * ONE],
+    };
+    assert_eq!(system.condensed(RowTargets::Zero).map(|_| ()), system.full().map(|_| ()));
+}
+
+#[test]
+fn paths_that_nothing_holds_are_refused() {
+    let mut system = System::of_workload(relay_chain(3));
+    system.point_rows.truncate(1);
+    system.point_targets.truncate(1);
+    assert_eq!(system.condensed(RowTargets::Zero).expect_err("free paths"), KktError::Singular);
+}
+
+#[test]
+fn rows_that_are_not_finite_are_refused() {
+    let mut system = System::of_workload(relay_chain(3));
+    system.paths[1][7][2].re = f64::NAN;
+    let row = system.paths[0].len() + 7;
+    assert_eq!(
+        system.condensed(RowTargets::Zero).expect_err("not a number"),
+        KktError::NotFinite { block: "M", row }
+    );
+}
+
+fn number() -> impl Strategy<Value = c64> {
+    (-1.0..1.0_f64, -1.0..1.0_f64).prop_map(|(re, im)| c64::new(re, im))
+}
+
+/// Rows like those of paths, with coefficients off by up to a half, and targets.
+fn rows(count: impl Into<prop::collection::SizeRange>) -> impl Strategy<Value = (Vec<ChainRow>, Vec<c64>)> {
+    let row = [number(), number(), number()]
+        .prop_map(|[a, b, c]| [-0.5 * ONE + 0.3 * a, ONE + 0.3 * b, -0.5 * ONE + 0.3 * c]);
+    prop::collection::vec((row, number()), count).prop_map(|rows| rows.into_iter().unzip())
+}
+
+fn same_energies(a: &ChainPiece, b: &ChainPiece, probes: &[[c64; 4]]) -> Result<(), TestCaseError> {
+    prop_assert_eq!(a.length, b.length);
+    for &probe in probes {
+        let (a, b) = (a.energy(probe), b.energy(probe));
+        prop_assert!((a - b).abs() < ROUNDING * (1.0 + a), "{} against {}", a, b);
+    }
+    Ok(())
+}
+
+fn probes() -> impl Strategy<Value = Vec<[c64; 4]>> {
+    prop::collection::vec([number(), number(), number(), number()], 8)
+}
+
+proptest! {
+    /// Kept sets of every kind: neighbours, overlapping stencils, points at the ends.
+    #[test]
+    fn condensed_minimisers_are_those_of_all_points(
+        paths in prop::collection::vec(rows(0..30), 1..4),
+        touched in prop::collection::vec((0..4_usize, 0..32_usize, number(), any::<bool>()), 8..16),
+        ties in prop::collection::vec((0..32_usize, 0..32_usize, number(), number()), 0..3),
+    ) {
+        let (paths, row_targets): (Vec<_>, Vec<_>) = paths.into_iter().unzip();
+        let mut system = System { paths, row_targets, point_rows: Vec::new(), point_targets: Vec::new() };
+        for (path, point, target, stencil) in touched {
+            let path = path % system.paths.len();
+            let count = system.paths[path].len() + 2;
+            let point = point % count;
+            let mut terms = vec![(path, point, ONE)];
+            if stencil && (1..count - 1).contains(&point) {
+                terms = vec![(path, point - 1, -ONE), (path, point + 1, ONE)];
+            }
+            system.point_rows.push(PointRow::soft(terms, 0.5));
+            system.point_targets.push(target);
+        }
+        for (k, (i, j, coefficient, target)) in ties.into_iter().enumerate() {
+            let last = system.paths.len() - 1;
+            let (i, j) = (i % (system.paths[0].len() + 2), j % (system.paths[last].len() + 2));
+            system.point_rows.push(PointRow::hard(vec![(0, i, ONE), (last, j, coefficient)]));
+            system.point_targets.push(target * (k + 1) as f64);
+        }
+        let full = system.full();
+        prop_assume!(full.is_ok()); // held points, independent ties
+        let (report, points) = full.expect("assumed");
+        prop_assume!(points.iter().flatten().all(|p| p.norm() < 100.0)); // and not barely so
+        let (condensed_report, condensed_points) = system.condensed(RowTargets::PerSolve).expect("has a solution");
+        let error = farthest(&points, &condensed_points);
+        prop_assert!(error < 100.0 * ROUNDING, "points differ by {error:e}");
+        prop_assert!((report.energy - condensed_report.energy).abs() < ROUNDING * (1.0 + report.energy));
+    }
+
+    #[test]
+    fn condensed_energy_is_the_minimum_over_inner_points((rows, targets) in rows(1..60), probes in probes()) {
+        let piece = condense(&rows, &targets).expect("no point is free");
+        let (first, last) = (0, rows.len());
+        for mut probe in probes {
+            if last == first + 1 {
+                probe[2] = probe[1];
+            }
+            let pins = [(first, probe[0]), (first + 1, probe[1]), (last, probe[2]), (last + 1, probe[3])];
+            let pins: Vec<_> = pins.into_iter().skip(usize::from(last == 1)).collect();
+            let mut point_rows: Vec<_> = pins.iter().map(|pin| PointRow::hard(vec![(0, pin.0, ONE)])).collect();
+            let mut point_targets: Vec<_> = pins.iter().map(|pin| pin.1).collect();
+            if last == 1 {
+                point_rows[0] = PointRow::hard(vec![(0, 0, ONE)]);
+                point_targets[0] = probe[0];
+                point_rows[1] = PointRow::hard(vec![(0, 1, ONE)]);
+                point_targets[1] = probe[1];
+            }
+            let system = System {
+                paths: vec![rows.clone()], row_targets: vec![targets.clone()], point_rows, point_targets,
+            };
+            let full = system.full().expect("pins hold both ends").0.energy;
+            prop_assert!((piece.energy(probe) - full).abs() < ROUNDING * (1.0 + full));
+        }
+    }
+
+    #[test]
+    fn composition_is_associative_and_equals_condensing(
+        (rows, targets) in rows(1..50), cuts in [0..50_usize, 0..50_usize], probes in probes(),
+    ) {
+        let piece = |from: usize, to: usize| condense(&rows[from..to], &targets[from..to]).expect("no point is free");
+        let mut cuts = cuts.map(|cut| cut % (rows.len() + 1));
+        cuts.sort_unstable();
+        let [b, c] = cuts;
+        let (left, middle, right) = (piece(0, b), piece(b, c), piece(c, rows.len()));
+        let join = |left: &ChainPiece, right: &ChainPiece| compose(left, right).expect("no point is free");
+        same_energies(&join(&join(&left, &middle), &right), &piece(0, rows.len()), &probes)?;
+        same_energies(&join(&left, &join(&middle, &right)), &piece(0, rows.len()), &probes)?;
+    }
+
+    #[test]
+    fn stretches_of_a_tree_are_condensed_rows(
+        (mut rows, mut targets) in rows(1..50), (row, target) in rows(1),
+        range in [0..50_usize, 0..50_usize], replaced in 0..50_usize, probes in probes(),
+    ) {
+        let mut tree = ChainTree::new(&rows, &targets).expect("no point is free");
+        let mut range = range.map(|end| end % (rows.len() + 1));
+        range.sort_unstable();
+        let direct = condense(&rows[range[0]..range[1]], &targets[range[0]..range[1]]).expect("no point is free");
+        same_energies(&tree.piece(range[0]..range[1]).expect("no point is free"), &direct, &probes)?;
+        let replaced = replaced % rows.len();
+        (rows[replaced], targets[replaced]) = (row[0], target[0]);
+        tree.replace_row(replaced, row[0], target[0]).expect("no point is free");
+        prop_assert_eq!(tree, ChainTree::new(&rows, &targets).expect("no point is free"));
+    }
+}
+
+/// A path, and a copy of a stretch of another one put into it, turned and moved.
+#[test]
+fn spliced_pieces_are_those_of_the_spliced_path() {
+    let (base, other) = (wavy_path(120), wavy_path(90).into_iter().map(|p| p * p).collect::<Vec<_>>());
+    let turned = |p: &c64| c64::new(0.6, 0.8) * p + c64::new(7.0, -3.0);
+    let path: Vec<c64> = base[..50]
+        .iter()
+        .copied()
+        .chain(other[20..60].iter().map(turned))
+        .chain(base[70..].iter().copied())
+        .collect();
+    let rows = shape_rows(&path);
+    let zeros = vec![c64::default(); 200];
+    let tree =
+        |path: &[c64]| ChainTree::new(&shape_rows(path), &zeros[..path.len() - 2]).expect("points differ");
+    let (base_tree, other_tree) = (tree(&base), tree(&other));
+    let junction = |row: usize| SplicePart::Row { coefficients: rows[row], target: c64::default() };
+    let spliced = splice(&[
+        SplicePart::Stretch { tree: &base_tree, rows: 0..48 },
+        junction(48),
+        junction(49),
+        SplicePart::Stretch { tree: &other_tree, rows: 20..58 },
+        junction(88),
+        junction(89),
+        SplicePart::Stretch { tree: &base_tree, rows: 70..118 },
+    ])
+    .expect("points differ");
+    let direct = condense(&rows, &zeros[..rows.len()]).expect("points differ");
+    assert_eq!(spliced.length, direct.length);
+    let mut probe = corners(&path, 0, rows.len());
+    assert!(spliced.energy(probe) < 1e-24);
+    probe[1] += c64::new(0.1, 0.2);
+    probe[3] += c64::new(-0.3, 0.1);
+    assert!((spliced.energy(probe) / direct.energy(probe) - 1.0).abs() < 1e-9);
+}
