@@ -86,8 +86,8 @@ pub fn shape_rows(rest_path: &[c64]) -> Vec<ChainRow> {
 pub fn condense(rows: &[ChainRow], targets: &[c64]) -> Result<ChainPiece, KktError> {
     debug_assert_eq!(rows.len(), targets.len(), "one target per row");
     let (mut reduced, mut next) = (TargetState::new(targets), 2);
-    let piece = eliminate_points(rows, |_, reflection, inverse_pivot| {
-        reduced.take_up(&Elimination { reflection, inverse_pivot }, targets[next]);
+    let piece = eliminate_points(rows, |_, reflection| {
+        reduced.take_up(&reflection, targets[next]);
         next += 1;
     })?;
     Ok(ChainPiece { targets: reduced.0, ..piece })
@@ -106,9 +106,11 @@ pub fn compose(left: &ChainPiece, right: &ChainPiece) -> Result<ChainPiece, KktE
     // Points of a piece of one row are all outer points, and stay.
     let inner = [(0, left.length > 1), (1, right.length > 1)];
     for (column, _) in inner.into_iter().filter(|&(_, eliminated)| eliminated) {
-        let reflection = Reflection::new(columns[column], sizes[column]).ok_or(KktError::Singular)?.0;
+        let [first, rest @ ..] = columns[column];
+        let reflection = Reflection::new(first, rest, sizes[column]).ok_or(KktError::Singular)?;
         for entries in &mut columns {
-            let [_, second, third, fourth] = reflection.apply(*entries);
+            let [first, rest @ ..] = *entries;
+            let (_, [second, third, fourth]) = reflection.apply(first, rest);
             *entries = [second, third, fourth, ZERO];
         }
     }
@@ -137,47 +139,47 @@ fn stacked(left: &ChainPiece, right: &ChainPiece) -> [[c64; 4]; 7] {
     columns
 }
 
-/// `x = m₀ p_a + m₁ p_{a+1} + m₂ y + m₃ w`, plus a constant where rows have targets; y, w are the points after x.
+/// `x = p_a + m₀ p_a + m₁ (p_{a+1} − p_a) + m₂ (y − p_a) + m₃ (w − p_a)`, plus a constant where rows have targets; y, w
+/// are the points after x.
 pub(crate) type Rule = [c64; 4];
 
 /// Eliminates the points strictly between the outer pairs of some rows, from the left. For each, `eliminated` is given
-/// the rule, the reflection and the inverse of the pivot.
+/// the rule and the reflection.
+///
+/// Works on points relative to the first, `p_a`, whose own column then holds the sums of the rows: zero, for rows that
+/// ignore translations, so that being far from the origin costs no digits.
 ///
 /// # Errors
 /// [`KktError::Singular`] if the rows leave a point free.
 pub(crate) fn eliminate_points(
     rows: &[ChainRow],
-    mut eliminated: impl FnMut(Rule, Reflection<3>, c64),
+    mut eliminated: impl FnMut(Rule, Reflection<2>),
 ) -> Result<ChainPiece, KktError> {
     let [first, second, rest @ ..] = rows else {
         return Ok(rows.first().map_or(ChainPiece::default(), |&row| ChainPiece::of_row(row, ZERO)));
     };
     // Columns a, a + 1, x, y of the state.
-    let mut a = [first[0], ZERO];
+    let mut a = [sum(first), sum(second)];
     let mut b = [first[1], second[0]];
     let mut x = [first[2], second[1]];
     let mut y = [ZERO, second[2]];
-    for (&[row_x, row_y, row_w], before) in rest.iter().zip(rows.windows(2)) {
+    for (row @ &[row_x, row_y, row_w], before) in rest.iter().zip(rows.windows(2)) {
         let column = [before[0][2], before[1][1], row_x];
-        let (reflection, pivot) =
-            Reflection::new([x[0], x[1], row_x], norm_sq(&column)).ok_or(KktError::Singular)?;
-        let [a_rule, a0, a1] = reflection.apply([a[0], a[1], ZERO]);
-        let [b_rule, b0, b1] = reflection.apply([b[0], b[1], ZERO]);
-        let [y_rule, y0, y1] = reflection.apply([y[0], y[1], row_y]);
-        let [w_rule, w0, w1] = reflection.apply([ZERO, ZERO, row_w]);
-        let inverse = pivot.inv();
-        eliminated([a_rule, b_rule, y_rule, w_rule].map(|entry| -entry * inverse), reflection, inverse);
-        (a, b, x, y) = ([a0, a1], [b0, b1], [y0, y1], [w0, w1]);
+        let reflection = Reflection::new(x[0], [x[1], row_x], norm_sq(&column)).ok_or(KktError::Singular)?;
+        let mut rule = [ZERO; 4];
+        (rule[0], a) = reflection.apply(a[0], [a[1], sum(row)]);
+        (rule[1], b) = reflection.apply(b[0], [b[1], ZERO]);
+        (rule[2], x) = reflection.apply(y[0], [y[1], row_y]);
+        (rule[3], y) = reflection.apply(ZERO, [ZERO, row_w]);
+        eliminated(rule.map(|entry| -entry * reflection.inverse_pivot), reflection);
     }
-    let rows = [0, 1].map(|k: usize| [a[k], b[k], x[k], y[k]]);
+    let rows = [0, 1].map(|k: usize| [a[k] - (b[k] + x[k] + y[k]), b[k], x[k], y[k]]);
     Ok(ChainPiece { length: rest.len() + 2, rows, targets: [ZERO; 2] })
 }
 
-/// What the elimination of a point does to targets.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Elimination {
-    pub(crate) reflection: Reflection<3>,
-    pub(crate) inverse_pivot: c64,
+/// Sum of the coefficients, in the order that is exact for `(z − 1, 1, −z)` with z near a half.
+fn sum([before, at, after]: &ChainRow) -> c64 {
+    (before + at) + after
 }
 
 /// Targets of the two rows of the state while points are eliminated.
@@ -190,39 +192,43 @@ impl TargetState {
     }
 
     /// Takes up the target of the next row and returns the constant of the rule.
-    pub(crate) fn take_up(&mut self, step: &Elimination, target: c64) -> c64 {
-        let [rule, first, second] = step.reflection.apply([self.0[0], self.0[1], target]);
-        self.0 = [first, second];
-        rule * step.inverse_pivot
+    pub(crate) fn take_up(&mut self, reflection: &Reflection<2>, target: c64) -> c64 {
+        let (rule, state) = reflection.apply(self.0[0], [self.0[1], target]);
+        self.0 = state;
+        rule * reflection.inverse_pivot
     }
 }
 
-/// Householder reflection `I − u uᴴ`.
+/// Householder reflection `I − τ (1, v) (1, v)ᴴ` that leaves only the first entry, the pivot, of some column.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Reflection<const N: usize>([c64; N]);
+pub(crate) struct Reflection<const N: usize> {
+    tau: f64,
+    v: [c64; N],
+    inverse_pivot: c64,
+}
 
 impl<const N: usize> Reflection<N> {
-    /// Reflection that leaves only the first entry, the pivot, of a column. None if the column vanishes against
-    /// `size_sq`, the squared norm that it had before earlier eliminations.
-    fn new(column: [c64; N], size_sq: f64) -> Option<(Self, c64)> {
-        let norm_sq = norm_sq(&column);
+    /// None if the column vanishes against `size_sq`, the squared norm that it had before earlier eliminations.
+    fn new(first: c64, rest: [c64; N], size_sq: f64) -> Option<Self> {
+        let norm_sq = first.norm_sqr() + norm_sq(&rest);
         if !norm_sq.is_normal() || norm_sq <= PIVOT_TOLERANCE * PIVOT_TOLERANCE * size_sq {
             return None;
         }
-        let (norm, first) = (norm_sq.sqrt(), column[0].norm_sqr().sqrt());
+        let (norm, modulus) = (norm_sq.sqrt(), first.norm_sqr().sqrt());
+        let turn = if modulus > 0.0 { first.conj() / modulus } else { ONE };
         // The pivot turns away from the first entry, so that nothing cancels.
-        let phase = if first > 0.0 { column[0] / first } else { ONE };
-        let shrink = 1.0 / (norm * (norm + first)).sqrt();
-        let mut u = column.map(|entry| entry * shrink);
-        u[0] = phase * ((norm + first) * shrink);
-        Some((Self(u), -phase * norm))
+        let reach = norm + modulus;
+        let scale = turn / reach;
+        Some(Self { tau: reach / norm, v: rest.map(|entry| entry * scale), inverse_pivot: -turn / norm })
     }
 
+    /// Reflects a column, first entry and the rest.
     #[inline]
-    fn apply(&self, mut column: [c64; N]) -> [c64; N] {
-        let share: c64 = self.0.iter().zip(&column).map(|(u, entry)| u.conj() * entry).sum();
-        self.0.iter().zip(&mut column).for_each(|(u, entry)| *entry -= u * share);
-        column
+    fn apply(&self, first: c64, mut rest: [c64; N]) -> (c64, [c64; N]) {
+        let along: c64 = self.v.iter().zip(&rest).map(|(v, entry)| v.conj() * entry).sum();
+        let share = (first + along) * self.tau;
+        self.v.iter().zip(&mut rest).for_each(|(v, entry)| *entry -= v * share);
+        (first - share, rest)
     }
 }
 

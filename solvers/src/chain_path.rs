@@ -6,16 +6,25 @@
 //! pair, which its rows leave free.
 //!
 //! Before the first and after the last pair rows can be met exactly: they cost nothing, and their points follow from
-//! the pair. An end where the following would lose digits, or is impossible because an outer coefficient vanishes,
-//! gets its outermost pair kept instead and is a span like others.
+//! the pair. If the outer coefficient of such a row vanishes, there are fewer rows than points after it.
 
 use crate::c64;
-use crate::chain::{ChainPiece, ChainRow, Elimination, Rule, TargetState, eliminate_points};
+use crate::chain::{ChainPiece, ChainRow, Reflection, Rule, TargetState, eliminate_points};
 use crate::error::KktError;
 use crate::scalar::Scalar;
 
-/// Ends that reach farther, in steps of the pair they follow, multiply its rounding errors by too much.
-const LONGEST_END: f64 = 1e4;
+/// Ends that reach farther, in steps of the pair they follow, are free to working precision.
+const LONGEST_END: f64 = 1e13;
+
+/// Whether three-term rows have targets.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum RowTargets {
+    /// All are zero: nothing is kept for them, and a solve makes no pass over them.
+    #[default]
+    Zero,
+    /// They are given with each solve.
+    PerSolve,
+}
 
 /// A path condensed to its kept points.
 #[derive(Clone, Debug)]
@@ -28,7 +37,7 @@ pub(crate) struct CondensedPath {
     pub(crate) spans: Vec<Span>,
     rules: Vec<Rule>,
     /// One for each of `rules`, if rows have targets.
-    eliminations: Vec<Elimination>,
+    reflections: Vec<Reflection<2>>,
     head: End,
     tail: End,
 }
@@ -63,33 +72,32 @@ pub(crate) struct PathTargets {
 }
 
 impl CondensedPath {
-    /// Condenses a path. `touched`: points to keep, rising. `with_targets`: keeps what [`reduce`](Self::reduce) needs.
+    /// Condenses a path. `touched`: points to keep, rising. For [`RowTargets::PerSolve`], keeps what
+    /// [`reduce`](Self::reduce) needs.
     ///
     /// # Errors
-    /// [`KktError::Singular`] if the rows leave a point between two pairs free.
-    pub(crate) fn new(rows: &[ChainRow], touched: &[usize], with_targets: bool) -> Result<Self, KktError> {
+    /// [`KktError::Singular`] if the rows leave a point that is not kept free.
+    pub(crate) fn new(
+        rows: &[ChainRow],
+        touched: &[usize],
+        row_targets: RowTargets,
+    ) -> Result<Self, KktError> {
         let point_count = rows.len() + 2;
-        let mut pairs = pair_up(point_count, touched);
-        let head_rows = rows[..pairs[0]].iter().rev().map(|&[before, at, after]| [after, at, before]);
-        let head = End::new(head_rows, with_targets).unwrap_or_else(|| {
-            pairs.insert(0, 0);
-            End::default()
-        });
-        let last = *pairs.last().expect("there is at least one pair");
-        let tail = End::new(rows[last..].iter().copied(), with_targets).unwrap_or_else(|| {
-            pairs.push(point_count - 2);
-            End::default()
-        });
+        let pairs = pair_up(point_count, touched);
+        let (first, last) = (pairs[0], pairs[pairs.len() - 1]);
+        let head_rows = rows[..first].iter().rev().map(|&[before, at, after]| [after, at, before]);
+        let head = End::new(head_rows, row_targets)?;
+        let tail = End::new(rows[last..].iter().copied(), row_targets)?;
         let mut path = Self {
             point_count,
-            kept: vec![pairs[0], pairs[0] + 1],
+            kept: vec![first, first + 1],
             spans: Vec::with_capacity(pairs.len() - 1),
-            rules: Vec::with_capacity(pairs[pairs.len() - 1] - pairs[0]),
-            eliminations: Vec::new(),
+            rules: Vec::with_capacity(last - first),
+            reflections: Vec::new(),
             head,
             tail,
         };
-        pairs.windows(2).try_for_each(|pair| path.push_span(rows, (pair[0], pair[1]), with_targets))?;
+        pairs.windows(2).try_for_each(|pair| path.push_span(rows, (pair[0], pair[1]), row_targets))?;
         Ok(path)
     }
 
@@ -97,12 +105,12 @@ impl CondensedPath {
         &mut self,
         rows: &[ChainRow],
         (first, last): (usize, usize),
-        with_targets: bool,
+        row_targets: RowTargets,
     ) -> Result<(), KktError> {
-        let piece = eliminate_points(&rows[first..last], |rule, reflection, inverse_pivot| {
+        let piece = eliminate_points(&rows[first..last], |rule, reflection| {
             self.rules.push(rule);
-            if with_targets {
-                self.eliminations.push(Elimination { reflection, inverse_pivot });
+            if row_targets == RowTargets::PerSolve {
+                self.reflections.push(reflection);
             }
         })?;
         let near = self.kept.len() - 2;
@@ -113,27 +121,30 @@ impl CondensedPath {
     }
 
     /// Memory for [`reduce`](Self::reduce) and [`expand`](Self::expand).
-    pub(crate) fn targets(&self, with_targets: bool) -> PathTargets {
-        let count = if with_targets { self.point_count } else { 0 };
+    pub(crate) fn targets(&self, row_targets: RowTargets) -> PathTargets {
+        let count = match row_targets {
+            RowTargets::Zero => 0,
+            RowTargets::PerSolve => self.point_count,
+        };
         PathTargets {
             constants: vec![c64::default(); count],
             spans: vec![[c64::default(); 2]; self.spans.len()],
         }
     }
 
-    /// Brings the targets of the path's rows through the eliminations.
+    /// Brings the targets of the path's rows through the reflections.
     pub(crate) fn reduce(&self, row_targets: &[c64], out: &mut PathTargets) {
-        let mut eliminations = self.eliminations.as_slice();
+        let mut reflections = self.reflections.as_slice();
         for (Span { pairs: (first, last), .. }, reduced) in self.spans.iter().zip(&mut out.spans) {
             let targets = &row_targets[*first..*last];
             let mut state = TargetState::new(targets);
             let later = targets.get(2..).unwrap_or_default();
-            let (steps, others) = eliminations.split_at(later.len());
+            let (own, others) = reflections.split_at(later.len());
             let constants = &mut out.constants[*first + 2..][..later.len()];
-            for ((step, &target), constant) in steps.iter().zip(later).zip(constants) {
-                *constant = state.take_up(step, target);
+            for ((reflection, &target), constant) in own.iter().zip(later).zip(constants) {
+                *constant = state.take_up(reflection, target);
             }
-            (*reduced, eliminations) = (state.0, others);
+            (*reduced, reflections) = (state.0, others);
         }
         let (before, after) = self.end_lengths();
         let (head, tail) = (row_targets[..before].iter().rev(), &row_targets[row_targets.len() - after..]);
@@ -165,26 +176,22 @@ impl CondensedPath {
         let mut rules = self.rules.as_slice();
         for &Span { pairs: (first, last), corners: [a, b, d, e], .. } in &self.spans {
             let (own, others) = rules.split_at((last - first).saturating_sub(2));
-            let (a, b, mut y, mut w) = (kept[a], kept[b], kept[d], kept[e]);
+            let origin = kept[a];
+            let [step, mut y, mut w] = [b, d, e].map(|corner| kept[corner] - origin);
             for (k, m) in own.iter().enumerate().rev() {
                 let point = first + 2 + k;
-                let x = m[0] * a + m[1] * b + constant(point) + m[3] * w + m[2] * y;
-                points[point] = x;
+                let x = m[0] * origin + m[1] * step + constant(point) + m[3] * w + m[2] * y;
+                points[point] = origin + x;
                 (y, w) = (x, y);
             }
             rules = others;
         }
         let (before, after) = self.end_lengths();
-        let (first, last) = (kept[0], kept[kept.len() - 1]);
-        let (head_step, tail_step) = (first - kept[1], last - kept[kept.len() - 2]);
-        for (k, &(s, w)) in self.head.rules.iter().enumerate() {
-            let point = before - 1 - k;
-            points[point] = s * first + w * head_step + constant(point);
-        }
-        for (k, &(s, w)) in self.tail.rules.iter().enumerate() {
-            let point = self.point_count - after + k;
-            points[point] = s * last + w * tail_step + constant(point);
-        }
+        let last = kept.len() - 1;
+        let head = points[..before].iter_mut().enumerate().rev();
+        self.head.follow((kept[1], kept[0]), head, &constant);
+        let tail = points.iter_mut().enumerate().skip(self.point_count - after);
+        self.tail.follow((kept[last - 1], kept[last]), tail, &constant);
     }
 
     /// Points before the first and after the last pair.
@@ -194,8 +201,11 @@ impl CondensedPath {
 }
 
 impl End {
-    /// Follows rows outwards. `rows`: coefficients from the inner to the outer point. None if that loses digits.
-    fn new(rows: impl Iterator<Item = ChainRow>, with_targets: bool) -> Option<Self> {
+    /// Follows rows outwards. `rows`: coefficients from the inner to the outer point.
+    ///
+    /// # Errors
+    /// [`KktError::Singular`] if a point does not follow from its row.
+    fn new(rows: impl Iterator<Item = ChainRow>, row_targets: RowTargets) -> Result<Self, KktError> {
         let mut end = Self::default();
         let one = c64::new(1.0, 0.0);
         let (mut far, mut near) = ((one, -one), (one, c64::default()));
@@ -205,14 +215,27 @@ impl End {
             (far, near) = (near, (e0 * far.0 + e1 * near.0, e0 * far.1 + e1 * near.1));
             let reach = near.0.norm_sqr().max(near.1.norm_sqr());
             if !(near.0 + near.1).all_finite() || reach > LONGEST_END * LONGEST_END {
-                return None;
+                return Err(KktError::Singular);
             }
             end.rules.push(near);
-            if with_targets {
+            if row_targets == RowTargets::PerSolve {
                 end.steps.push([e0, e1, inverse]);
             }
         }
-        Some(end)
+        Ok(end)
+    }
+
+    /// Writes the points of an end, given outwards with their places, from those of its pair.
+    fn follow<'a>(
+        &self,
+        (far, near): (c64, c64),
+        points: impl Iterator<Item = (usize, &'a mut c64)>,
+        constant: impl Fn(usize) -> c64,
+    ) {
+        let step = near - far;
+        for (&(s, w), (index, point)) in self.rules.iter().zip(points) {
+            *point = s * near + w * step + constant(index);
+        }
     }
 
     /// What the targets of its rows add to the points of an end.

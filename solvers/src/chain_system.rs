@@ -22,7 +22,7 @@
 
 use crate::c64;
 use crate::chain::ChainRow;
-use crate::chain_path::{CondensedPath, PathTargets};
+use crate::chain_path::{CondensedPath, PathTargets, RowTargets};
 use crate::error::{KktError, SolveReport};
 use crate::kkt::{Factor, Workspace};
 use crate::least_squares::LeastSquares;
@@ -33,16 +33,6 @@ use rayon::prelude::*;
 
 /// Fewer points are done with before other threads have woken up.
 const PARALLEL_POINTS: usize = 32_768;
-
-/// Whether three-term rows have targets.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum RowTargets {
-    /// All are zero: nothing is kept for them, and a solve makes no pass over them.
-    #[default]
-    Zero,
-    /// They are given with each solve.
-    PerSolve,
-}
 
 /// A system of paths, condensed to the points that point rows touch.
 #[derive(Clone, Debug)]
@@ -83,9 +73,8 @@ impl ChainSystem {
     ) -> Result<Self, KktError> {
         check_finite(paths)?;
         let touched = touched_points(paths, point_rows);
-        let with_targets = row_targets == RowTargets::PerSolve;
         let condense =
-            |(rows, touched): (&Vec<ChainRow>, &Vec<usize>)| CondensedPath::new(rows, touched, with_targets);
+            |(rows, touched): (&Vec<ChainRow>, &Vec<usize>)| CondensedPath::new(rows, touched, row_targets);
         let condensed: Vec<Result<CondensedPath, KktError>> = if are_many(paths.iter().map(Vec::len)) {
             paths.par_iter().zip(&touched).map(condense).collect()
         } else {
@@ -108,9 +97,8 @@ impl ChainSystem {
 
     /// Memory for [`solve_into`](Self::solve_into) and [`expand`](Self::expand).
     pub fn workspace(&self, factor: &Factor<c64>) -> ChainWorkspace {
-        let with_targets = self.row_targets == RowTargets::PerSolve;
         ChainWorkspace {
-            paths: self.paths.iter().map(|path| path.targets(with_targets)).collect(),
+            paths: self.paths.iter().map(|path| path.targets(self.row_targets)).collect(),
             soft_targets: vec![c64::default(); self.problem.soft.rows()],
             hard_targets: vec![c64::default(); self.problem.hard.rows()],
             kept: vec![c64::default(); self.problem.columns],
@@ -139,7 +127,8 @@ impl ChainSystem {
         factor.solve_into(soft_targets, hard_targets, kept, kkt)
     }
 
-    /// Writes all points of all paths from the last solution. `points`: one vector per path, one number per point.
+    /// Writes all points of all paths from the last solution. `points`: one vector per path, one number per point; what
+    /// they hold after an error is undefined.
     ///
     /// Cost: one pass over the points; parallel over paths.
     ///

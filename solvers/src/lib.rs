@@ -33,7 +33,8 @@
 pub use augmented::KktForm;
 pub use bounds::{BoundMethod, solve_bounded};
 pub use chain::{ChainPiece, ChainRow, compose, condense, shape_rows};
-pub use chain_system::{ChainSystem, ChainWorkspace, RowTargets};
+pub use chain_path::RowTargets;
+pub use chain_system::{ChainSystem, ChainWorkspace};
 pub use chain_tree::{ChainTree, SplicePart, splice};
 pub use difference::{Difference, DifferenceError, NodeBounds, node_bounds};
 pub use error::{BoundsError, KktError, Solution, SolveReport};

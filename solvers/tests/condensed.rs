@@ -2,9 +2,9 @@
 
 use cotillion_solvers::workload::{Workload, relay_chain};
 use cotillion_solvers::{
-    ChainPiece, ChainRow, ChainSystem, ChainTree, ChainWorkspace, KktError, KktForm, LeastSquares, PointRow,
-    RowMatrix, RowTargets, SolveReport, SplicePart, analyse, c64, compose, condense, shape_rows, solve,
-    splice,
+    ChainPiece, ChainRow, ChainSystem, ChainTree, ChainWorkspace, Dependency, KktError, KktForm,
+    LeastSquares, PointRow, RowMatrix, RowTargets, SolveReport, SplicePart, analyse, analyse_rank, c64,
+    compose, condense, shape_rows, solve, splice,
 };
 use proptest::prelude::*;
 
@@ -145,7 +145,7 @@ fn solves_with_other_targets_in_between_repeat_to_the_last_bit() {
     let analysis = analyse(system.problem(), KktForm::Hachtel).expect("shapes fit");
     let factor = analysis.factor(system.problem()).expect("four pins hold the chain");
     let mut workspace = system.workspace(&factor);
-    let mut solve_and_expand = |targets: &[c64], workspace: &mut ChainWorkspace| {
+    let solve_and_expand = |targets: &[c64], workspace: &mut ChainWorkspace| {
         let mut points: Vec<_> = paths.iter().map(|rows| vec![ONE; rows.len() + 2]).collect();
         system.solve_into(&factor, targets, &[], workspace).expect("four pins hold the chain");
         system.expand(workspace, &mut points).expect("shapes fit");
@@ -230,19 +230,30 @@ fn extended_ends_meet_their_rows() {
     }
 }
 
-/// A row without its last coefficient says nothing about where the path goes on.
+/// Row 25 without its last coefficient says nothing about where the path goes on.
 #[test]
-fn ends_that_rows_do_not_determine_step_by_step_are_kept() {
+fn ends_that_rows_leave_free_are_refused() {
     let mut rows = shape_rows(&wavy_path(30));
     rows[25][2] = c64::default();
-    rows[3][0] = c64::default();
-    let system = System {
-        row_targets: vec![vec![c64::default(); rows.len()]],
-        paths: vec![rows],
-        point_rows: [10, 11, 18].map(|i| PointRow::soft(vec![(0, i, ONE)], 2.0)).to_vec(),
-        point_targets: vec![ONE, c64::new(1.1, 0.2), 2.0 * ONE],
-    };
-    assert_eq!(system.condensed(RowTargets::Zero).map(|_| ()), system.full().map(|_| ()));
+    let point_rows = [10, 18].map(|i| PointRow::hard(vec![(0, i, ONE)])).to_vec();
+    let system =
+        System { row_targets: vec![vec![]], paths: vec![rows], point_rows, point_targets: vec![ONE; 2] };
+    assert_eq!(
+        system.condensed(RowTargets::Zero).expect_err("three points follow one row"),
+        KktError::Singular
+    );
+}
+
+#[test]
+fn repeated_hard_rows_are_refused_and_named_by_rank() {
+    let mut system = System::of_workload(relay_chain(3));
+    system.point_rows.push(system.point_rows[5].clone());
+    system.point_targets.push(system.point_targets[5]);
+    assert_eq!(system.condensed(RowTargets::Zero).expect_err("a copy"), KktError::Singular);
+    let reduced =
+        ChainSystem::new(&system.paths, &system.point_rows, RowTargets::Zero).expect("points differ");
+    let dependent = analyse_rank(&reduced.problem().hard).dependent;
+    assert_eq!(dependent.iter().map(Dependency::certificate).collect::<Vec<_>>(), vec![vec![1, 4]]);
 }
 
 #[test]
@@ -329,20 +340,12 @@ proptest! {
     fn condensed_energy_is_the_minimum_over_inner_points((rows, targets) in rows(1..60), probes in probes()) {
         let piece = condense(&rows, &targets).expect("no point is free");
         let (first, last) = (0, rows.len());
-        for mut probe in probes {
-            if last == first + 1 {
-                probe[2] = probe[1];
-            }
-            let pins = [(first, probe[0]), (first + 1, probe[1]), (last, probe[2]), (last + 1, probe[3])];
-            let pins: Vec<_> = pins.into_iter().skip(usize::from(last == 1)).collect();
-            let mut point_rows: Vec<_> = pins.iter().map(|pin| PointRow::hard(vec![(0, pin.0, ONE)])).collect();
-            let mut point_targets: Vec<_> = pins.iter().map(|pin| pin.1).collect();
-            if last == 1 {
-                point_rows[0] = PointRow::hard(vec![(0, 0, ONE)]);
-                point_targets[0] = probe[0];
-                point_rows[1] = PointRow::hard(vec![(0, 1, ONE)]);
-                point_targets[1] = probe[1];
-            }
+        for probe in probes {
+            let mut pins =
+                vec![(first, probe[0]), (first + 1, probe[1]), (last, probe[2]), (last + 1, probe[3])];
+            pins.dedup_by_key(|pin| pin.0);
+            let point_rows = pins.iter().map(|pin| PointRow::hard(vec![(0, pin.0, ONE)])).collect();
+            let point_targets = pins.iter().map(|pin| pin.1).collect();
             let system = System {
                 paths: vec![rows.clone()], row_targets: vec![targets.clone()], point_rows, point_targets,
             };
@@ -416,4 +419,16 @@ fn spliced_pieces_are_those_of_the_spliced_path() {
     probe[1] += c64::new(0.1, 0.2);
     probe[3] += c64::new(-0.3, 0.1);
     assert!((spliced.energy(probe) / direct.energy(probe) - 1.0).abs() < 1e-9);
+}
+
+#[test]
+fn rows_that_would_free_a_point_leave_the_tree_as_it_was() {
+    let rows = second_differences(16);
+    let nothing = [c64::default(); 3];
+    let mut tree = ChainTree::new(&rows, &[ONE; 16]).expect("no point is free");
+    tree.replace_row(5, nothing, ONE).expect("two rows still hold each point");
+    tree.replace_row(6, nothing, ONE).expect("one row still holds each point");
+    let before = tree.clone();
+    assert_eq!(tree.replace_row(7, nothing, ONE), Err(KktError::Singular));
+    assert_eq!(tree, before);
 }
