@@ -1,8 +1,8 @@
 //! Paths of points under three-term rows: all the rows between two pairs of neighbouring points are worth two rows.
 //!
 //! Row `r` of a path (from 0) is centred on point `r + 1`: `A p_r + B p_{r+1} + C p_{r+2} = t`. The rows `a..d` reach
-//! from the pair `(a, a+1)` to the pair `(d, d+1)`. They are `d − a`, and the points strictly between the pairs are two
-//! fewer. Minimised over these points their energy is that of two rows on the pairs, and nothing else is left over:
+//! from the pair `(a, a+1)` to the pair `(d, d+1)`. There are `d − a` of them, and two fewer points strictly between the
+//! pairs. Minimised over these points their energy is that of two rows on the pairs, with no constant left over:
 //!
 //! ```text
 //!     min over p_{a+2} … p_{d−1} of ½ Σ |A p + B p + C p − t|²  =  ½ ‖R (p_a, p_{a+1}, p_d, p_{d+1})ᵀ − s‖²,   R ∈ ℂ^{2×4}
@@ -18,22 +18,26 @@
 //!
 //! Source: Golub and Van Loan, *Matrix Computations*, 4th ed., §5.1 (complex reflections), §5.3 (least squares by QR).
 
+use crate::augmented::check_length;
 use crate::c64;
 use crate::error::KktError;
+use crate::scalar::Scalar;
 
 /// Coefficients of a three-term row on a point's predecessor, the point and its successor.
 pub type ChainRow = [c64; 3];
 
 /// A column whose part outside the columns before it is smaller, relative to the column, leaves its point free.
 const PIVOT_TOLERANCE: f64 = 1e-13;
+/// Squared norms from here up have the squares of all entries that matter among normal numbers.
+const SMALLEST_NORM_SQ: f64 = 1e-200;
 
 const ZERO: c64 = c64::new(0.0, 0.0);
 const ONE: c64 = c64::new(1.0, 0.0);
 
 /// Rows `a..d` of a path, condensed to two rows on its outer pairs of points.
 ///
-/// A piece of one row has a pair of points in common, `a + 1 = d`: its coefficient of that point is in the second
-/// column, the third is zero, and so is the second row. The empty piece, [`Default`], has only zeros.
+/// The pairs of a single row share a point, `a + 1 = d`: its coefficient is in the second column, the third column is
+/// zero, and so is the second row. The empty piece, [`Default`], has only zeros.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct ChainPiece {
     /// Rows of the path behind it, `d − a`.
@@ -82,15 +86,31 @@ pub fn shape_rows(rest_path: &[c64]) -> Vec<ChainRow> {
 /// Cost: linear in the rows; allocates nothing.
 ///
 /// # Errors
-/// [`KktError::Singular`] if the rows leave an inner point free.
+/// [`KktError::Singular`] if the rows leave an inner point free; [`KktError::ShapeMismatch`] and [`KktError::NotFinite`]
+/// with block M for coefficients, t for targets.
 pub fn condense(rows: &[ChainRow], targets: &[c64]) -> Result<ChainPiece, KktError> {
-    debug_assert_eq!(rows.len(), targets.len(), "one target per row");
+    check(rows, targets)?;
     let (mut reduced, mut next) = (TargetState::new(targets), 2);
     let piece = eliminate_points(rows, |_, reflection| {
         reduced.take_up(&reflection, targets[next]);
         next += 1;
     })?;
     Ok(ChainPiece { targets: reduced.0, ..piece })
+}
+
+/// Checks rows and targets from outside.
+pub(crate) fn check(rows: &[ChainRow], targets: &[c64]) -> Result<(), KktError> {
+    check_length("t", rows.len(), targets.len())?;
+    check_finite("M", rows.iter().map(|row| row.iter().all(|a| a.all_finite())))?;
+    check_finite("t", targets.iter().map(|t| t.all_finite()))
+}
+
+/// Refuses the first row that is not finite.
+pub(crate) fn check_finite(
+    block: &'static str,
+    mut finite: impl Iterator<Item = bool>,
+) -> Result<(), KktError> {
+    finite.position(|finite| !finite).map_or(Ok(()), |row| Err(KktError::NotFinite { block, row }))
 }
 
 /// Joins a piece to the next one of the path: the shared pair of points is eliminated.
@@ -211,11 +231,12 @@ impl<const N: usize> Reflection<N> {
     /// None if the column vanishes against `size_sq`, the squared norm that it had before earlier eliminations.
     fn new(first: c64, rest: [c64; N], size_sq: f64) -> Option<Self> {
         let norm_sq = first.norm_sqr() + norm_sq(&rest);
-        if !norm_sq.is_normal() || norm_sq <= PIVOT_TOLERANCE * PIVOT_TOLERANCE * size_sq {
+        let least = SMALLEST_NORM_SQ.max(PIVOT_TOLERANCE * PIVOT_TOLERANCE * size_sq);
+        if !norm_sq.is_finite() || norm_sq <= least {
             return None;
         }
         let (norm, modulus) = (norm_sq.sqrt(), first.norm_sqr().sqrt());
-        let turn = if modulus > 0.0 { first.conj() / modulus } else { ONE };
+        let turn = if modulus > f64::EPSILON * norm { first.conj() / modulus } else { ONE };
         // The pivot turns away from the first entry, so that nothing cancels.
         let reach = norm + modulus;
         let scale = turn / reach;

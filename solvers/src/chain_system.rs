@@ -20,8 +20,9 @@
 //! in [`KktError::Singular`]: [`analyse_rank`](crate::analyse_rank) of the problem's hard rows tells which are not.
 //! A path that no point row holds, up to a similarity of all points tied together, ends there too.
 
+use crate::augmented::check_length;
 use crate::c64;
-use crate::chain::ChainRow;
+use crate::chain::{ChainRow, check_finite};
 use crate::chain_path::{CondensedPath, PathTargets, RowTargets};
 use crate::error::{KktError, SolveReport};
 use crate::kkt::{Factor, Workspace};
@@ -71,7 +72,7 @@ impl ChainSystem {
         point_rows: &[PointRow<c64>],
         row_targets: RowTargets,
     ) -> Result<Self, KktError> {
-        check_finite(paths)?;
+        check_finite("M", paths.iter().flatten().map(|row| row.iter().all(|a| a.all_finite())))?;
         let touched = touched_points(paths, point_rows);
         let condense =
             |(rows, touched): (&Vec<ChainRow>, &Vec<usize>)| CondensedPath::new(rows, touched, row_targets);
@@ -119,8 +120,8 @@ impl ChainSystem {
         row_targets: &[Vec<c64>],
         workspace: &mut ChainWorkspace,
     ) -> Result<SolveReport, KktError> {
-        check_rows("m", self.weight_roots.len(), point_targets.len())?;
-        check_targets("m", point_targets.iter())?;
+        check_length("m", self.weight_roots.len(), point_targets.len())?;
+        check_finite("m", point_targets.iter().map(|target| target.all_finite()))?;
         self.reduce_targets(row_targets, &mut workspace.paths)?;
         self.fill_targets(point_targets, workspace);
         let ChainWorkspace { soft_targets, hard_targets, kept, kkt, .. } = workspace;
@@ -135,9 +136,9 @@ impl ChainSystem {
     /// # Errors
     /// [`KktError::ShapeMismatch`], block x; [`KktError::SolutionNotFinite`].
     pub fn expand(&self, workspace: &ChainWorkspace, points: &mut [Vec<c64>]) -> Result<(), KktError> {
-        check_rows("x", self.paths.len(), points.len())?;
+        check_length("x", self.paths.len(), points.len())?;
         for (path, points) in self.paths.iter().zip(points.iter()) {
-            check_rows("x", path.point_count, points.len())?;
+            check_length("x", path.point_count, points.len())?;
         }
         let expand = |(index, points): (usize, &mut Vec<c64>)| {
             let kept = &workspace.kept[self.column_starts[index]..self.column_starts[index + 1]];
@@ -152,13 +153,13 @@ impl ChainSystem {
 
     fn reduce_targets(&self, row_targets: &[Vec<c64>], reduced: &mut [PathTargets]) -> Result<(), KktError> {
         if self.row_targets == RowTargets::Zero {
-            return check_rows("t", 0, row_targets.len());
+            return check_length("t", 0, row_targets.len());
         }
-        check_rows("t", self.paths.len(), row_targets.len())?;
+        check_length("t", self.paths.len(), row_targets.len())?;
         for (path, targets) in self.paths.iter().zip(row_targets) {
-            check_rows("t", path.point_count - 2, targets.len())?;
+            check_length("t", path.point_count - 2, targets.len())?;
         }
-        check_targets("t", row_targets.iter().flatten())?;
+        check_finite("t", row_targets.iter().flatten().map(|target| target.all_finite()))?;
         let reduce =
             |(index, out): (usize, &mut PathTargets)| self.paths[index].reduce(&row_targets[index], out);
         if self.is_large() {
@@ -234,29 +235,6 @@ fn touched_points(paths: &[Vec<ChainRow>], point_rows: &[PointRow<c64>]) -> Vec<
         points.dedup();
     }
     touched
-}
-
-fn check_finite(paths: &[Vec<ChainRow>]) -> Result<(), KktError> {
-    let is_finite = |row: &ChainRow| row.iter().all(|a| a.all_finite());
-    match paths.iter().flatten().position(|row| !is_finite(row)) {
-        Some(row) => Err(KktError::NotFinite { block: "M", row }),
-        None => Ok(()),
-    }
-}
-
-fn check_rows(block: &'static str, expected: usize, actual: usize) -> Result<(), KktError> {
-    let side = "rows";
-    if actual == expected { Ok(()) } else { Err(KktError::ShapeMismatch { block, side, expected, actual }) }
-}
-
-fn check_targets<'a>(
-    block: &'static str,
-    mut targets: impl Iterator<Item = &'a c64>,
-) -> Result<(), KktError> {
-    match targets.position(|target| !target.all_finite()) {
-        Some(row) => Err(KktError::NotFinite { block, row }),
-        None => Ok(()),
-    }
 }
 
 fn are_many(points: impl Iterator<Item = usize>) -> bool {

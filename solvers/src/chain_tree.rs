@@ -5,7 +5,7 @@
 //! [`splice`].
 
 use crate::c64;
-use crate::chain::{ChainPiece, ChainRow, compose};
+use crate::chain::{ChainPiece, ChainRow, check, compose, condense};
 use crate::error::KktError;
 use std::ops::Range;
 
@@ -42,9 +42,9 @@ impl ChainTree {
     /// one per row.
     ///
     /// # Errors
-    /// [`KktError::Singular`] if one of these stretches leaves a point free.
+    /// [`KktError::Singular`] if one of these stretches leaves a point free; else as [`condense`](crate::condense).
     pub fn new(rows: &[ChainRow], targets: &[c64]) -> Result<Self, KktError> {
-        debug_assert_eq!(rows.len(), targets.len(), "one target per row");
+        check(rows, targets)?;
         let leaves = rows.len().next_power_of_two();
         let mut nodes = vec![ChainPiece::default(); 2 * leaves];
         for ((leaf, &row), &target) in nodes[leaves..].iter_mut().zip(rows).zip(targets) {
@@ -94,12 +94,13 @@ impl ChainTree {
     /// Cost: `log₂ n` compositions.
     ///
     /// # Errors
-    /// [`KktError::Singular`] as in [`new`](Self::new); the tree is then as before.
+    /// As [`new`](Self::new); the tree is then as before.
     ///
     /// # Panics
     /// If there is no such row.
     pub fn replace_row(&mut self, row: usize, coefficients: ChainRow, target: c64) -> Result<(), KktError> {
         assert!(row < self.rows, "row {row} of {}", self.rows);
+        check(&[coefficients], &[target])?;
         let mut node = self.nodes.len() / 2 + row;
         let mut changed = vec![(node, ChainPiece::of_row(coefficients, target))];
         let mut piece = changed[0].1;
@@ -122,7 +123,7 @@ impl ChainTree {
 /// Cost: logarithmic in each stretch.
 ///
 /// # Errors
-/// [`KktError::Singular`] if the rows leave a point free.
+/// [`KktError::Singular`] if the rows leave a point free; [`KktError::NotFinite`] for a new row, counted from itself.
 ///
 /// # Panics
 /// If a stretch reaches past the rows of its path.
@@ -130,7 +131,7 @@ pub fn splice(parts: &[SplicePart<'_>]) -> Result<ChainPiece, KktError> {
     parts.iter().try_fold(ChainPiece::default(), |spliced, part| {
         let piece = match part {
             SplicePart::Stretch { tree, rows } => tree.piece(rows.clone())?,
-            &SplicePart::Row { coefficients, target } => ChainPiece::of_row(coefficients, target),
+            &SplicePart::Row { coefficients, target } => condense(&[coefficients], &[target])?,
         };
         compose(&spliced, &piece)
     })

@@ -432,3 +432,18 @@ fn rows_that_would_free_a_point_leave_the_tree_as_it_was() {
     assert_eq!(tree.replace_row(7, nothing, ONE), Err(KktError::Singular));
     assert_eq!(tree, before);
 }
+
+/// A point whose neighbours coincide has no place relative to them.
+#[test]
+fn shapes_of_coincident_neighbours_are_refused() {
+    let mut path = wavy_path(20);
+    path[7] = path[5];
+    let (rows, zeros) = (shape_rows(&path), vec![c64::default(); 18]);
+    let refusal = KktError::NotFinite { block: "M", row: 5 };
+    assert_eq!(condense(&rows, &zeros), Err(refusal));
+    assert_eq!(ChainTree::new(&rows, &zeros), Err(refusal));
+    let mut tree = ChainTree::new(&shape_rows(&wavy_path(20)), &zeros).expect("points differ");
+    assert!(tree.replace_row(5, rows[5], ONE).is_err());
+    let refused = splice(&[SplicePart::Row { coefficients: rows[5], target: ONE }]);
+    assert_eq!(refused, Err(KktError::NotFinite { block: "M", row: 0 }));
+}
