@@ -8,6 +8,9 @@ use proptest::prelude::*;
 
 mod paths;
 
+/// Energy of points met to rounding: squares of about 1e-14.
+const NOTHING: f64 = 1e-24;
+
 fn corners(points: &[c64], first: usize, last: usize) -> [c64; 4] {
     [points[first], points[first + 1], points[last], points[last + 1]]
 }
@@ -19,7 +22,7 @@ fn similarities_cost_a_condensed_shape_nothing() {
     for (first, last) in [(0, 198), (3, 4), (10, 12), (10, 13), (50, 150)] {
         let piece = condense(&rows[first..last], &vec![c64::default(); last - first]).expect("points differ");
         let moved = corners(&path, first, last).map(|p| c64::new(0.3, -1.2) * p + c64::new(5.0, 2.0));
-        assert!(piece.energy(moved) < 1e-26, "rows {first}..{last}");
+        assert!(piece.energy(moved) < NOTHING, "rows {first}..{last}");
         let mut bent = moved;
         bent[3] += c64::new(0.0, 0.1);
         assert!(piece.energy(bent) > 1e-6, "rows {first}..{last}: rank two, not less");
@@ -97,10 +100,10 @@ fn spliced_pieces_are_those_of_the_spliced_path() {
     let direct = condense(&rows, &zeros[..rows.len()]).expect("points differ");
     assert_eq!(spliced.length, direct.length);
     let mut probe = corners(&path, 0, rows.len());
-    assert!(spliced.energy(probe) < 1e-24);
+    assert!(spliced.energy(probe) < NOTHING);
     probe[1] += c64::new(0.1, 0.2);
     probe[3] += c64::new(-0.3, 0.1);
-    assert!((spliced.energy(probe) / direct.energy(probe) - 1.0).abs() < 1e-9);
+    assert!((spliced.energy(probe) / direct.energy(probe) - 1.0).abs() < ROUNDING);
 }
 
 #[test]
