@@ -25,7 +25,7 @@ fn similarities_cost_a_condensed_shape_nothing() {
         assert!(piece.energy(moved) < NOTHING, "rows {first}..{last}");
         let mut bent = moved;
         bent[3] += c64::new(0.0, 0.1);
-        assert!(piece.energy(bent) > 1e-6, "rows {first}..{last}: rank two, not less");
+        assert!(piece.energy(bent) > 1e-6, "rows {first}..{last}: a bend costs energy");
     }
 }
 
