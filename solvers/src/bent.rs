@@ -28,11 +28,11 @@ pub struct Bent {
     unknowns: Vec<TwoPart<c64>>,
     residual: Vec<c64>,
     values: Vec<c64>,
-    /// First node of each path in `loads` and `states`; one more entry closes the last.
+    /// First node of each piece in `loads` and `states`; one more entry closes the last.
     starts: Vec<usize>,
     loads: Vec<Load>,
     states: Vec<State>,
-    /// State of the first point of each path.
+    /// State of the first point that each piece knows.
     origins: Vec<State>,
     scratch: LuScratch,
 }
@@ -106,20 +106,21 @@ impl Bent {
             *lambda = unknown.scaled(scale / problem.unit);
         }
         let (mut moved, mut farthest) = (0.0_f64, 0.0_f64);
-        for (path, loads) in problem.loads.iter().enumerate() {
-            let nodes = self.starts[path]..self.starts[path + 1];
+        for (piece, loads) in problem.loads.iter().enumerate() {
+            let nodes = self.starts[piece]..self.starts[piece + 1];
             if compensated {
                 loads.compensated_loads_under(&self.lambda, &mut self.loads[nodes.clone()]);
             } else {
                 loads.loads_under(&self.lambda, &mut self.loads[nodes.clone()]);
             }
-            let y = &self.unknowns[problem.layout.similarities[path]..problem.layout.similarities[path + 1]];
+            let y =
+                &self.unknowns[problem.layout.similarities[piece]..problem.layout.similarities[piece + 1]];
             let y = [y[0].high, y.get(1).map_or(c64::default(), |turn| turn.high)];
             let mut see = |before: c64, after: c64| {
                 moved = moved.max((after - before).norm_sqr());
                 farthest = farthest.max(after.norm_sqr());
             };
-            self.origins[path] =
+            self.origins[piece] =
                 loads.states_under(&y, &self.loads[nodes.clone()], &mut self.states[nodes], &mut see);
         }
         relative_to(moved.sqrt(), farthest.sqrt())
@@ -131,9 +132,9 @@ impl Bent {
         self.values.fill(c64::default());
         let rest = &mut self.residual[problem.rows.len()..];
         rest.fill(c64::default());
-        for (path, loads) in problem.loads.iter().enumerate() {
-            loads.add_rows(&self.states[self.starts[path]..self.starts[path + 1]], &mut self.values);
-            let start = layout.similarities[path] - problem.rows.len();
+        for (piece, loads) in problem.loads.iter().enumerate() {
+            loads.add_rows(&self.states[self.starts[piece]..self.starts[piece + 1]], &mut self.values);
+            let start = layout.similarities[piece] - problem.rows.len();
             loads.visit_similarities(|row, motion, value| {
                 rest[start + motion] -= value.conj() * self.lambda[row].high * problem.unit;
             });
@@ -147,7 +148,8 @@ impl Bent {
         }
         for (index, row) in problem.rows.iter().enumerate() {
             let slack = row.weight.map_or(c64::default(), |weight| self.lambda[index].high / weight);
-            self.residual[index] = problem.scales[index] * (targets[index] - self.values[index] - slack);
+            let target = targets.get(index).copied().unwrap_or_default();
+            self.residual[index] = problem.scales[index] * (target - self.values[index] - slack);
         }
     }
 
@@ -183,13 +185,13 @@ impl Bent {
             let mut share = c64::default();
             let mut known = None;
             for (motion, value) in combination {
-                let path = problem.layout.similarities.partition_point(|start| *start <= first + motion) - 1;
+                let piece = problem.layout.similarities.partition_point(|start| *start <= first + motion) - 1;
                 let components = match known {
-                    Some((other, components)) if other == path => components,
-                    _ => self.components(problem, path),
+                    Some((other, components)) if other == piece => components,
+                    _ => self.components(problem, piece),
                 };
-                known = Some((path, components));
-                share += value.conj() * components[first + motion - problem.layout.similarities[path]];
+                known = Some((piece, components));
+                share += value.conj() * components[first + motion - problem.layout.similarities[piece]];
             }
             for (motion, value) in combination {
                 self.unknowns[first + motion].add(-value * share);
@@ -198,36 +200,51 @@ impl Bent {
         self.bend_nodes(problem, compensated);
     }
 
-    /// Components of a bent path along its similarities.
-    fn components(&self, problem: &Compliance, path: usize) -> [c64; 2] {
-        let centre = problem.loads[path].centre();
+    /// Components of a bent piece along its similarities.
+    fn components(&self, problem: &Compliance, piece: usize) -> [c64; 2] {
+        let path = problem.first_pieces.partition_point(|first| *first <= piece) - 1;
+        let (rest, centre) = (&problem.paths[path], problem.loads[piece].centre());
         let (mut sum, mut turned) = (c64::default(), c64::default());
-        let rest = &problem.paths[path];
-        self.expand(problem, path, |j, point, _| {
+        self.expand_piece(problem, (path, piece), &mut |j, point, _| {
             sum += point;
             turned += (rest.point(j) - centre).conj() * point;
         });
-        problem.loads[path].components(sum, turned)
+        problem.loads[piece].components(sum, turned)
     }
 
-    /// Calls `visit` with every point j of a path, in order: j, `x_j`, and the factor `ζ_j` of the segment after it (at the last point, of
-    /// the one before). Cost: linear in points.
+    /// Calls `visit` with every point j of a path, in order: j, `x_j`, and the factor `ζ_j` of the segment after it (at the
+    /// last point, of the one before). Cost: linear in points.
     pub fn expand(&self, problem: &Compliance, path: usize, mut visit: impl FnMut(usize, c64, c64)) {
-        let (nodes, rest) = (&problem.loads[path].nodes, &problem.paths[path]);
-        let range = self.starts[path]..self.starts[path + 1];
-        let (loads, states) = (&self.loads[range.clone()], &self.states[range]);
-        let (mut from, mut state) = (0, self.origins[path]);
-        for ((node, load), at_node) in nodes.iter().zip(loads).zip(states) {
-            rest.bend(from..*node, state, *load, &mut visit);
+        for piece in problem.first_pieces[path]..problem.first_pieces[path + 1] {
+            self.expand_piece(problem, (path, piece), &mut visit);
+        }
+    }
+
+    fn expand_piece(
+        &self,
+        problem: &Compliance,
+        (path, piece): (usize, usize),
+        visit: &mut impl FnMut(usize, c64, c64),
+    ) {
+        let (known, rest) = (&problem.loads[piece], &problem.paths[path]);
+        let range = self.starts[piece]..self.starts[piece + 1];
+        let (mut from, mut state) = (known.first_known(), self.origins[piece]);
+        for ((node, load), at_node) in
+            known.nodes.iter().zip(&self.loads[range.clone()]).zip(&self.states[range])
+        {
+            if from >= known.own.start {
+                rest.bend(from..*node, state, *load, visit);
+            }
             (from, state) = (*node, *at_node);
         }
-        rest.bend(from..rest.len(), state, Load::default(), &mut visit);
+        rest.bend(from..known.own.end, state, Load::default(), visit);
     }
 
     /// `½ Σ |δ_s|²/c_s`.
     pub fn spring_energy(&self, problem: &Compliance) -> f64 {
-        let own =
-            |path: usize| problem.loads[path].energy(&self.loads[self.starts[path]..self.starts[path + 1]]);
+        let own = |piece: usize| {
+            problem.loads[piece].energy(&self.loads[self.starts[piece]..self.starts[piece + 1]])
+        };
         (0..problem.loads.len()).map(own).sum()
     }
 
@@ -241,7 +258,7 @@ impl Bent {
 }
 
 fn check(problem: &Compliance, targets: &[c64]) -> Result<(), KktError> {
-    let (expected, actual) = (problem.rows.len(), targets.len());
+    let (expected, actual) = (problem.given, targets.len());
     if expected != actual {
         return Err(KktError::ShapeMismatch { block: "d", side: "rows", expected, actual });
     }

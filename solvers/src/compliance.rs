@@ -16,7 +16,9 @@
 //! Solutions are refined against the springs themselves, not against the rounded matrix: in O(rows), as points under load
 //! are known without visiting the springs in between.
 //!
-//! Cost: one pass over the springs to assemble, one to expand; all else by rows, quadratic in the rows of one path.
+//! Paths with many rows are cut into pieces of a few rows each, held together by two hard rows at each cut.
+//!
+//! Cost: one pass over the springs to assemble, one to expand; all else by rows, linear where rows tie neighbours.
 //!
 //! Source: derived from the shape rows of Kim et al., *Synchronized Multi-Character Motion Editing*, SIGGRAPH 2009, eq. 3,
 //! by the substitution in [`springs`](crate::springs); static condensation as in Przemieniecki, *Theory of Matrix Structural
@@ -31,6 +33,7 @@ use crate::error::KktError;
 use crate::free::{Combination, free_combinations};
 use crate::lu::LuOrder;
 use crate::path_loads::PathLoads;
+use crate::pieces::{Piece, cut_into_pieces};
 use crate::points::PointRow;
 use crate::refine::RefinedLu;
 use crate::sparse::Assembly;
@@ -39,11 +42,15 @@ use crate::springs::SpringPath;
 /// Springs of several paths and the rows on their points.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Compliance {
-    /// Paths at rest.
-    pub paths: Vec<SpringPath>,
-    /// Rows; hard ones must be independent of each other.
-    pub rows: Vec<PointRow<c64>>,
+    pub(crate) paths: Vec<SpringPath>,
+    /// Rows given, then those of cuts.
+    pub(crate) rows: Vec<PointRow<c64>>,
+    /// How many rows were given.
+    pub(crate) given: usize,
+    /// Pieces of all paths, in order.
     pub(crate) loads: Vec<PathLoads>,
+    /// First piece of each path; one more entry closes the last.
+    pub(crate) first_pieces: Vec<usize>,
     pub(crate) layout: Layout,
     pub(crate) free: Vec<Combination>,
     positions: Vec<(usize, usize)>,
@@ -56,7 +63,7 @@ pub struct Compliance {
 /// Where the blocks of the system begin.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct Layout {
-    /// First unknown of each path's similarity; one more entry closes the last.
+    /// First unknown of each piece's similarity; one more entry closes the last.
     pub(crate) similarities: Vec<usize>,
     /// First multiplier of a free motion.
     pub(crate) free: usize,
@@ -84,23 +91,30 @@ pub struct ComplianceFactor {
 pub(crate) const WORTH_THREADS: usize = 20_000;
 
 impl Compliance {
-    /// Moments of the springs, then all entries of the system. Cost: linear in springs, quadratic in the rows of a path.
+    /// Moments of the springs, then all entries of the system. `rows`: the hard ones independent of each other. Cost: linear
+    /// in springs and, where rows tie neighbours, in rows.
     ///
     /// # Panics
     /// If a row names a path or point that does not exist.
     pub fn new(paths: Vec<SpringPath>, rows: Vec<PointRow<c64>>) -> Self {
-        let by_path = terms_by_path(paths.len(), &rows);
+        let given = rows.len();
+        let (pieces, rows) = cut_into_pieces(&paths, rows);
         let samples: usize = paths.iter().map(SpringPath::len).sum();
-        let pairs: Vec<_> = paths.iter().zip(by_path).collect();
+        let build = |piece: &Piece| PathLoads::new(&paths[piece.path], piece.own.clone(), &piece.terms);
         let loads: Vec<PathLoads> = if samples > WORTH_THREADS {
-            pairs.into_par_iter().with_min_len(16).map(|(path, terms)| PathLoads::new(path, terms)).collect()
+            pieces.par_iter().with_min_len(16).map(build).collect()
         } else {
-            pairs.into_iter().map(|(path, terms)| PathLoads::new(path, terms)).collect()
+            pieces.iter().map(build).collect()
         };
+        let mut first_pieces: Vec<usize> =
+            (0..paths.len()).map(|path| pieces.partition_point(|piece| piece.path < path)).collect();
+        first_pieces.push(pieces.len());
         let mut problem = Self {
             paths,
             rows,
+            given,
             loads,
+            first_pieces,
             layout: Layout::default(),
             free: Vec::new(),
             positions: Vec::new(),
@@ -254,15 +268,4 @@ fn check(problem: &Compliance) -> Result<(), KktError> {
         Some(row) => Err(KktError::NotFinite { block: "q", row }),
         None => Ok(()),
     }
-}
-
-/// Terms of all rows by path: row, point, coefficient.
-fn terms_by_path(paths: usize, rows: &[PointRow<c64>]) -> Vec<Vec<(usize, usize, c64)>> {
-    let mut by_path = vec![Vec::new(); paths];
-    for (index, row) in rows.iter().enumerate() {
-        for (path, point, value) in &row.terms {
-            by_path[*path].push((index, *point, *value));
-        }
-    }
-    by_path
 }

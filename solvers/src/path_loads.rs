@@ -1,5 +1,8 @@
-//! One path of the compliance form: the points that rows touch, the moments of the springs between them, and what each
-//! pair of rows shares. Mathematics: [`compliance`](crate::compliance), [`springs`](crate::springs).
+//! One piece of a path of the compliance form: the points that rows touch, the moments of the springs between them, and
+//! what each pair of rows shares. Mathematics: [`compliance`](crate::compliance), [`springs`](crate::springs).
+//!
+//! A piece owns a range of points. Where another piece goes before, it also knows the last point of that, where one follows
+//! the first of that: rows of the problem keep both pieces together there. A spring belongs to the piece that owns its point.
 
 use std::ops::Range;
 
@@ -10,18 +13,19 @@ use crate::springs::{Load, Moments, SpringPath, State};
 /// Rest points closer together than this, relative to their distance from the origin, have no extent.
 const COINCIDENT: f64 = 1e-9;
 
-/// A path with the rows on it.
+/// A piece of a path with the rows on it.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct PathLoads {
+    /// Points that belong to this piece.
+    pub(crate) own: Range<usize>,
     /// Points that rows touch, rising.
     pub(crate) nodes: Vec<usize>,
-    /// Moments of the springs from the node before, or from the first point, up to each node.
+    /// Moments of the piece's springs from the node before, or from its first point, up to each node.
     pub(crate) moments: Vec<Moments>,
     rows: Vec<RowTerms>,
     /// Node (by position in `nodes`) and coefficient; of one row, nodes rise.
     terms: Vec<(usize, c64)>,
     first: c64,
-    points: usize,
     centre: c64,
     /// Root of the summed squared distances from the centre; 0 for a path without extent.
     radius: f64,
@@ -41,28 +45,30 @@ struct RowTerms {
 }
 
 impl PathLoads {
+    /// `own`: points of the piece; those before and after it are not its own, but rows may name the nearest of them.
     /// `terms`: row, point, coefficient; rows rise.
-    pub(crate) fn new(path: &SpringPath, terms: Vec<(usize, usize, c64)>) -> Self {
+    pub(crate) fn new(path: &SpringPath, own: Range<usize>, terms: &[(usize, usize, c64)]) -> Self {
         let mut nodes: Vec<usize> = terms.iter().map(|(_, point, _)| *point).collect();
         nodes.sort_unstable();
         nodes.dedup();
-        let starts = std::iter::once(0).chain(nodes.iter().copied());
-        let moments = starts.zip(&nodes).map(|(from, to)| path.moments(from, *to)).collect();
-        let (centre, spread) = path.spread();
-        let floor = COINCIDENT * (1.0 + centre.norm()) * (path.len() as f64).sqrt();
+        let first = own.start.min(nodes.first().copied().unwrap_or(own.start));
+        let starts = std::iter::once(first).chain(nodes.iter().copied());
+        let moments = starts.zip(&nodes).map(|(from, to)| own_moments(path, &own, from, *to)).collect();
+        let (centre, spread) = path.spread(own.clone());
+        let floor = COINCIDENT * (1.0 + centre.norm()) * (own.len() as f64).sqrt();
         let mut loads = Self {
+            own,
             nodes,
             moments,
             rows: Vec::new(),
             terms: Vec::new(),
-            first: path.point(0),
-            points: path.len(),
+            first: path.point(first),
             centre,
             radius: if spread > floor { spread } else { 0.0 },
             covariances: Vec::new(),
             seen: Vec::new(),
         };
-        loads.take_terms(&terms);
+        loads.take_terms(terms);
         loads.find_covariances();
         loads
     }
@@ -100,7 +106,7 @@ impl PathLoads {
             }
             let base = loads[index][0];
             let (force, moment) = (base.force.conj(), base.moment.conj());
-            self.seen.push((row.row, 0, force / (self.points as f64).sqrt()));
+            self.seen.push((row.row, 0, force / (self.own.len() as f64).sqrt()));
             if self.radius > 0.0 {
                 let arm = self.first + prefix[row.nodes.0].chord - self.centre;
                 self.seen.push((row.row, 1, (moment + force * arm) / self.radius));
@@ -208,7 +214,12 @@ impl PathLoads {
         }
     }
 
-    /// State of the first point under the shares `y` of the similarities, and of all nodes under `loads`.
+    /// First point the piece knows.
+    pub(crate) fn first_known(&self) -> usize {
+        self.own.start.min(self.nodes.first().copied().unwrap_or(self.own.start))
+    }
+
+    /// State of the first point the piece knows under the shares `y` of the similarities, and of all nodes under `loads`.
     /// `see` is told each node's point before and after.
     pub(crate) fn states_under(
         &self,
@@ -218,7 +229,7 @@ impl PathLoads {
         see: &mut impl FnMut(c64, c64),
     ) -> State {
         let turn = if self.radius > 0.0 { y[1] / self.radius } else { c64::default() };
-        let shift = y[0] / (self.points as f64).sqrt();
+        let shift = y[0] / (self.own.len() as f64).sqrt();
         let start = State { point: shift + turn * (self.first - self.centre), factor: turn };
         let mut state = start;
         for ((moments, load), own) in self.moments.iter().zip(loads).zip(states) {
@@ -246,11 +257,20 @@ impl PathLoads {
     /// Components of the bent path `points` along the similarities.
     pub(crate) fn components(&self, sum: c64, turned: c64) -> [c64; 2] {
         let turn = if self.radius > 0.0 { turned / self.radius } else { c64::default() };
-        [sum / (self.points as f64).sqrt(), turn]
+        [sum / (self.own.len() as f64).sqrt(), turn]
     }
 
     /// Centre of the rest points.
     pub(crate) fn centre(&self) -> c64 {
         self.centre
     }
+}
+
+/// Moments of the springs `from ≤ s < to` that the piece owns.
+fn own_moments(path: &SpringPath, own: &Range<usize>, from: usize, to: usize) -> Moments {
+    if from >= own.start || from == to {
+        return path.moments(from, to);
+    }
+    let step = path.point(from + 1) - path.point(from);
+    Moments::of_spring(0.0, step).then(own_moments(path, own, from + 1, to))
 }

@@ -172,17 +172,18 @@ impl SpringPath {
         }
     }
 
-    /// Centre of the rest points and the root of their summed squared distances from it. Cost: linear in points, for
-    /// even paths constant.
-    pub fn spread(&self) -> (c64, f64) {
+    /// Centre of the rest points `range` and the root of their summed squared distances from it. Cost: linear in points,
+    /// for even paths constant.
+    pub(crate) fn spread(&self, range: Range<usize>) -> (c64, f64) {
         match self {
             Self::Listed { points, .. } => {
+                let points = &points[range];
                 let centre = points.iter().sum::<c64>() / points.len() as f64;
                 (centre, points.iter().map(|q| (q - centre).norm_sqr()).sum::<f64>().sqrt())
             }
-            Self::Even { count, .. } => {
-                let n = *count as f64;
-                (c64::new((n - 1.0) / 2.0, 0.0), (n * (n * n - 1.0) / 12.0).sqrt())
+            Self::Even { .. } => {
+                let n = range.len() as f64;
+                (c64::new(range.start as f64 + (n - 1.0) / 2.0, 0.0), (n * (n * n - 1.0) / 12.0).sqrt())
             }
         }
     }
