@@ -1,0 +1,161 @@
+//! The compliance form has the minimiser of the full system: random paths, stiff and rigid stretches, soft and hard rows,
+//! few of them or so many that paths are cut into pieces.
+
+use cotillion_solvers::{
+    Bent, Compliance, LeastSquares, PointRow, RowMatrix, SpringPath, analyse_rank, c64, solve,
+};
+use proptest::prelude::*;
+
+/// Points are below 100 and systems well enough conditioned for ten digits.
+const PLACES: f64 = 1e-8;
+/// Energies, relative, or absolute where the minimum is all but 0.
+const ENERGIES: (f64, f64) = (1e-8, 1e-14);
+
+#[derive(Clone, Debug)]
+struct Problem {
+    paths: Vec<SpringPath>,
+    rows: Vec<PointRow<c64>>,
+    targets: Vec<c64>,
+}
+
+fn point() -> impl Strategy<Value = c64> {
+    (-2.0..2.0_f64, -2.0..2.0_f64).prop_map(|(x, y)| c64::new(x, y))
+}
+
+/// A walk that never stands still, with stretches of other compliance, some rigid.
+fn path() -> impl Strategy<Value = SpringPath> {
+    let step = (0.5..1.5_f64, -0.6..0.6_f64);
+    let compliance = prop_oneof![4 => Just(1.0), 1 => Just(0.0), 1 => 1e-3..1e3_f64];
+    let stretches = prop::collection::vec((2..40_usize, compliance), 1..8);
+    (prop::collection::vec(step, 130..150), stretches, any::<bool>()).prop_map(|(steps, stretches, even)| {
+        let mut point = c64::new(3.0, -1.0);
+        let mut heading = 0.0;
+        let mut points = vec![point];
+        for (length, turn) in steps {
+            heading += turn;
+            point += c64::from_polar(length, heading);
+            points.push(point);
+        }
+        let count = points.len();
+        let mut starts = vec![(0, 1.0)];
+        let mut start = 0;
+        for (length, compliance) in stretches {
+            start += length;
+            starts.push((start, compliance));
+        }
+        if even {
+            return SpringPath::Even { count, stretches: starts };
+        }
+        let at = |s: usize| starts.iter().rev().find(|(first, _)| *first <= s).map_or(1.0, |(_, c)| *c);
+        let own = |s: usize| if s == 0 || s == count - 1 { 0.0 } else { at(s) };
+        SpringPath::Listed { points, compliances: (0..count).map(own).collect() }
+    })
+}
+
+fn row(paths: usize) -> impl Strategy<Value = (PointRow<c64>, c64)> {
+    let coefficient = prop_oneof![Just(c64::new(1.0, 0.0)), Just(c64::new(-1.0, 0.0)), point()];
+    let term = (0..paths, 0..130_usize, coefficient);
+    let weight = prop_oneof![3 => (0.1..100.0_f64).prop_map(Some), 1 => Just(None)];
+    (prop::collection::vec(term, 1..4), weight, point())
+        .prop_map(|(terms, weight, target)| (PointRow { terms, weight }, target))
+}
+
+fn problem() -> impl Strategy<Value = Problem> {
+    (1..4_usize).prop_flat_map(|paths| {
+        let rows =
+            prop_oneof![prop::collection::vec(row(paths), 6..20), prop::collection::vec(row(paths), 90..140)];
+        (prop::collection::vec(path(), paths), rows).prop_map(|(paths, rows)| {
+            let (rows, targets) = rows.into_iter().unzip();
+            Problem { paths, rows, targets }
+        })
+    })
+}
+
+/// Compliance of spring s.
+fn compliance(path: &SpringPath, s: usize) -> f64 {
+    match path {
+        SpringPath::Listed { compliances, .. } => compliances[s],
+        SpringPath::Even { stretches, .. } => {
+            stretches.iter().rev().find(|(first, _)| *first <= s).map_or(0.0, |(_, c)| *c)
+        }
+    }
+}
+
+/// The same problem over all points: a rigid spring is a hard row.
+fn full(problem: &Problem) -> Option<(Vec<Vec<c64>>, f64)> {
+    let starts: Vec<usize> = problem
+        .paths
+        .iter()
+        .scan(0, |next, path| {
+            let start = *next;
+            *next += path.len();
+            Some(start)
+        })
+        .collect();
+    let columns = problem.paths.iter().map(SpringPath::len).sum();
+    let (mut soft, mut hard) = (RowMatrix::new(columns), RowMatrix::new(columns));
+    let (mut m, mut h) = (Vec::new(), Vec::new());
+    for (path, start) in problem.paths.iter().zip(&starts) {
+        for s in 1..path.len() - 1 {
+            let (before, after) = (path.point(s) - path.point(s - 1), path.point(s + 1) - path.point(s));
+            let c = compliance(path, s);
+            let root = if c > 0.0 { c.sqrt().recip() } else { 1.0 };
+            let (b, a) = (root / before, root / after);
+            let terms = [(start + s - 1, b), (start + s, -(b + a)), (start + s + 1, a)];
+            if c > 0.0 {
+                soft.push_row(&terms);
+                m.push(c64::default());
+            } else {
+                hard.push_row(&terms);
+                h.push(c64::default());
+            }
+        }
+    }
+    for (row, target) in problem.rows.iter().zip(&problem.targets) {
+        let root = row.weight.unwrap_or(1.0).sqrt();
+        let terms: Vec<_> = row.terms.iter().map(|(path, j, c)| (starts[*path] + j, c * root)).collect();
+        if row.weight.is_some() {
+            soft.push_row(&terms);
+            m.push(target * root);
+        } else {
+            hard.push_row(&terms);
+            h.push(*target);
+        }
+    }
+    let hard = hard.to_csr();
+    if !analyse_rank(&hard).dependent.is_empty() {
+        return None;
+    }
+    let solution = solve(&LeastSquares { columns, soft: soft.to_csr(), hard }, &m, &h).ok()?;
+    let paths = problem.paths.iter().zip(&starts);
+    let points = paths.map(|(path, start)| solution.x[*start..start + path.len()].to_vec()).collect();
+    Some((points, solution.report.energy))
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 96, ..ProptestConfig::default() })]
+
+    #[test]
+    fn springs_bend_like_the_full_system(problem in problem()) {
+        let reference = full(&problem);
+        prop_assume!(reference.is_some());
+        let (points, energy) = reference.expect("just seen");
+        let system = Compliance::new(problem.paths.clone(), problem.rows.clone());
+        prop_assert_eq!(system.free_motions(), 0);
+        let factor = system.analyse().expect("a sound problem").factor(&system).expect("regular");
+        let mut bent = Bent::new(&system, &factor);
+        let report = bent.solve(&system, &factor, &problem.targets).expect("an answer");
+        let scale = points.iter().flatten().map(|p| p.norm()).fold(1.0, f64::max);
+        for (path, points) in points.iter().enumerate() {
+            let mut seen = 0;
+            bent.expand(&system, path, |j, x, _| {
+                assert_eq!(j, seen, "points come in order");
+                assert!((x - points[j]).norm() < PLACES * scale, "path {path} point {j}: {x} or {}", points[j]);
+                seen += 1;
+            });
+            prop_assert_eq!(seen, points.len());
+        }
+        let apart = (report.energy - energy).abs();
+        prop_assert!(apart <= (ENERGIES.0 * energy).max(ENERGIES.1), "{} or {energy}", report.energy);
+    }
+}
