@@ -1,4 +1,5 @@
-//! Small dense quadratic programs with bounds: the dual active-set method, and a clamping loop to compare it with.
+//! Quadratic programs with bounds: the dual active-set method, on small dense programs and whatever else can take its
+//! steps, and a clamping loop to compare it with.
 
 use crate::clamp::clamp_and_repeat;
 use crate::error::BoundsError;
@@ -6,7 +7,7 @@ use crate::quadratic::{BoundedQp, BoundedSolution, check};
 use nalgebra::DVector;
 
 /// A row with less curvature than this, relative to its square over the largest entry of `G`, depends on the active ones.
-const CURVATURE_TOLERANCE: f64 = 1e-11;
+pub(crate) const CURVATURE_TOLERANCE: f64 = 1e-11;
 /// Coefficients below this, relative to the largest, are not part of a certificate.
 const CERTIFICATE_TOLERANCE: f64 = 1e-6;
 
@@ -32,24 +33,42 @@ pub enum BoundMethod {
 pub fn solve_bounded(qp: &BoundedQp, method: BoundMethod) -> Result<BoundedSolution, BoundsError> {
     check(qp)?;
     match method {
-        BoundMethod::DualActiveSet => dual_active_set(qp),
+        BoundMethod::DualActiveSet => dual_active_set(&mut &*qp),
         BoundMethod::PaperIteration => clamp_and_repeat(qp),
     }
 }
 
-fn dual_active_set(qp: &BoundedQp) -> Result<BoundedSolution, BoundsError> {
-    let limit = 100 + 20 * (qp.linear.len() + qp.inequalities.nrows());
-    let (mut x, _) = qp.solve_held(&[], &qp.linear, &qp.equality_targets)?;
+/// What the dual active-set method asks of a program `min ½xᵀGx − gᵀx` s.t. `A x = b`, `C x ≥ d`.
+pub(crate) trait Program {
+    /// The minimiser without inequalities.
+    fn start(&mut self) -> Result<DVector<f64>, BoundsError>;
+    /// The most violated row of `C`.
+    fn worst(&self, x: &DVector<f64>) -> Option<usize>;
+    /// How to meet `row` while the active rows stay met.
+    fn toward(&mut self, row: usize, active: &[usize], x: &DVector<f64>) -> Result<Step, BoundsError>;
+    /// The last of the active rows has become so: the row of the last [`toward`](Self::toward).
+    fn activate(&mut self, _active: &[usize]) {}
+    /// The active row at this place is not active any more.
+    fn release(&mut self, _place: usize) {}
+    /// Steps that a sound program never needs.
+    fn step_limit(&self) -> usize;
+}
+
+/// The dual active-set method: from the minimiser without inequalities to the nearest one with them, the most violated
+/// row first.
+pub(crate) fn dual_active_set(program: &mut impl Program) -> Result<BoundedSolution, BoundsError> {
+    let limit = program.step_limit();
+    let mut x = program.start()?;
     let (mut active, mut multipliers): (Vec<usize>, Vec<f64>) = (Vec::new(), Vec::new());
     let mut iterations = 0;
-    while let Some((row, _)) = qp.worst(&x) {
+    while let Some(row) = program.worst(&x) {
         let mut multiplier = 0.0;
         loop {
             iterations += 1;
             if iterations > limit {
                 return Err(BoundsError::TooManyIterations { limit });
             }
-            let step = Step::toward(qp, row, &active, &x)?;
+            let step = program.toward(row, &active, &x)?;
             let blocking = step.blocking(&multipliers);
             let blocked_at = blocking.map_or(f64::INFINITY, |(_, length)| length);
             let length = step.full_length.min(blocked_at);
@@ -61,6 +80,7 @@ fn dual_active_set(qp: &BoundedQp) -> Result<BoundedSolution, BoundsError> {
             multiplier += length;
             match blocking {
                 Some((k, _)) if blocked_at < step.full_length => {
+                    program.release(k);
                     active.remove(k);
                     multipliers.remove(k);
                 }
@@ -69,37 +89,63 @@ fn dual_active_set(qp: &BoundedQp) -> Result<BoundedSolution, BoundsError> {
         }
         active.push(row);
         multipliers.push(multiplier);
+        program.activate(&active);
     }
     Ok(BoundedSolution { x: x.as_slice().to_vec(), active, multipliers, iterations })
 }
 
+impl Program for &BoundedQp {
+    fn start(&mut self) -> Result<DVector<f64>, BoundsError> {
+        Ok(self.solve_held(&[], &self.linear, &self.equality_targets)?.0)
+    }
+
+    fn worst(&self, x: &DVector<f64>) -> Option<usize> {
+        Some(BoundedQp::worst(self, x)?.0)
+    }
+
+    fn toward(&mut self, row: usize, active: &[usize], x: &DVector<f64>) -> Result<Step, BoundsError> {
+        let normal = self.inequalities.row(row).transpose();
+        let equal = self.equality_targets.len();
+        let still = DVector::zeros(equal + active.len());
+        let (direction, relief) = self.solve_held(active, &normal, &still)?;
+        let missing = self.lower_bounds[row] - normal.dot(x);
+        let least = CURVATURE_TOLERANCE * normal.norm_squared() / self.hessian.amax();
+        let full_length = full_length(missing, normal.dot(&direction), least);
+        let (of_equalities, of_active) = relief.as_slice().split_at(equal);
+        let (relief, equality_relief) = (of_active.to_vec(), of_equalities.to_vec());
+        Ok(Step { direction, relief, equality_relief, full_length, missing })
+    }
+
+    fn step_limit(&self) -> usize {
+        step_limit(self.linear.len() + self.inequalities.nrows())
+    }
+}
+
+/// Far more steps than any program of `size` unknowns and inequalities was seen to take.
+pub(crate) fn step_limit(size: usize) -> usize {
+    100 + 20 * size
+}
+
+/// Multiplier at which a row that misses its bound by `missing` meets it, where a unit of it gains `curvature`; infinite if
+/// that is no more than rounding, `least`.
+pub(crate) fn full_length(missing: f64, curvature: f64, least: f64) -> f64 {
+    if curvature > least { (missing / curvature).max(0.0) } else { f64::INFINITY }
+}
+
 /// How `x` and the multipliers of the active rows move as the multiplier of a violated row grows.
-struct Step {
-    direction: DVector<f64>,
+pub(crate) struct Step {
+    pub(crate) direction: DVector<f64>,
     /// Decrease of each active row's multiplier per unit of the new one.
-    relief: Vec<f64>,
+    pub(crate) relief: Vec<f64>,
     /// The same of the equality rows.
-    equality_relief: Vec<f64>,
+    pub(crate) equality_relief: Vec<f64>,
     /// Multiplier at which the row is met; infinite if no step meets it.
-    full_length: f64,
-    missing: f64,
+    pub(crate) full_length: f64,
+    /// By how much the row misses its bound.
+    pub(crate) missing: f64,
 }
 
 impl Step {
-    fn toward(qp: &BoundedQp, row: usize, active: &[usize], x: &DVector<f64>) -> Result<Self, BoundsError> {
-        let normal = qp.inequalities.row(row).transpose();
-        let equal = qp.equality_targets.len();
-        let still = DVector::zeros(equal + active.len());
-        let (direction, relief) = qp.solve_held(active, &normal, &still)?;
-        let missing = qp.lower_bounds[row] - normal.dot(x);
-        let curvature = normal.dot(&direction);
-        let least = CURVATURE_TOLERANCE * normal.norm_squared() / qp.hessian.amax();
-        let full_length = if curvature > least { (missing / curvature).max(0.0) } else { f64::INFINITY };
-        let (of_equalities, of_active) = relief.as_slice().split_at(equal);
-        let (relief, equality_relief) = (of_active.to_vec(), of_equalities.to_vec());
-        Ok(Self { direction, relief, equality_relief, full_length, missing })
-    }
-
     /// The active row whose multiplier reaches zero first, and when.
     fn blocking(&self, multipliers: &[f64]) -> Option<(usize, f64)> {
         let largest = self.relief.iter().fold(0.0_f64, |a, r| a.max(r.abs()));
