@@ -33,33 +33,37 @@ pub enum BoundMethod {
 pub fn solve_bounded(qp: &BoundedQp, method: BoundMethod) -> Result<BoundedSolution, BoundsError> {
     check(qp)?;
     match method {
-        BoundMethod::DualActiveSet => dual_active_set(&mut &*qp),
+        BoundMethod::DualActiveSet => dual_active_set(qp),
         BoundMethod::PaperIteration => clamp_and_repeat(qp),
     }
 }
 
 /// What the dual active-set method asks of a program `min ½xᵀGx − gᵀx` s.t. `A x = b`, `C x ≥ d`.
 pub(crate) trait Program {
-    /// The minimiser without inequalities.
-    fn start(&mut self) -> Result<DVector<f64>, BoundsError>;
+    /// Where to begin: the minimiser with some independent rows met, no multiplier below 0; possibly with none.
+    fn start(&self) -> Result<DualPoint, BoundsError>;
     /// The most violated row of `C`.
     fn worst(&self, x: &DVector<f64>) -> Option<usize>;
     /// How to meet `row` while the active rows stay met.
-    fn toward(&mut self, row: usize, active: &[usize], x: &DVector<f64>) -> Result<Step, BoundsError>;
-    /// The last of the active rows has become so: the row of the last [`toward`](Self::toward).
-    fn activate(&mut self, _active: &[usize]) {}
-    /// The active row at this place is not active any more.
-    fn release(&mut self, _place: usize) {}
+    fn toward(&self, row: usize, active: &[usize], x: &DVector<f64>) -> Result<Step, BoundsError>;
     /// Steps that a sound program never needs.
     fn step_limit(&self) -> usize;
 }
 
-/// The dual active-set method: from the minimiser without inequalities to the nearest one with them, the most violated
-/// row first.
-pub(crate) fn dual_active_set(program: &mut impl Program) -> Result<BoundedSolution, BoundsError> {
+/// A minimiser where active rows hold with equality.
+pub(crate) struct DualPoint {
+    pub(crate) x: DVector<f64>,
+    /// Active rows.
+    pub(crate) active: Vec<usize>,
+    /// Their multipliers.
+    pub(crate) multipliers: Vec<f64>,
+}
+
+/// The dual active-set method: from a minimiser that ignores some rows to the one that meets all, the most violated row
+/// first.
+pub(crate) fn dual_active_set(program: &impl Program) -> Result<BoundedSolution, BoundsError> {
     let limit = program.step_limit();
-    let mut x = program.start()?;
-    let (mut active, mut multipliers): (Vec<usize>, Vec<f64>) = (Vec::new(), Vec::new());
+    let DualPoint { mut x, mut active, mut multipliers } = program.start()?;
     let mut iterations = 0;
     while let Some(row) = program.worst(&x) {
         let mut multiplier = 0.0;
@@ -80,7 +84,6 @@ pub(crate) fn dual_active_set(program: &mut impl Program) -> Result<BoundedSolut
             multiplier += length;
             match blocking {
                 Some((k, _)) if blocked_at < step.full_length => {
-                    program.release(k);
                     active.remove(k);
                     multipliers.remove(k);
                 }
@@ -89,21 +92,21 @@ pub(crate) fn dual_active_set(program: &mut impl Program) -> Result<BoundedSolut
         }
         active.push(row);
         multipliers.push(multiplier);
-        program.activate(&active);
     }
     Ok(BoundedSolution { x: x.as_slice().to_vec(), active, multipliers, iterations })
 }
 
-impl Program for &BoundedQp {
-    fn start(&mut self) -> Result<DVector<f64>, BoundsError> {
-        Ok(self.solve_held(&[], &self.linear, &self.equality_targets)?.0)
+impl Program for BoundedQp {
+    fn start(&self) -> Result<DualPoint, BoundsError> {
+        let (x, _) = self.solve_held(&[], &self.linear, &self.equality_targets)?;
+        Ok(DualPoint { x, active: Vec::new(), multipliers: Vec::new() })
     }
 
     fn worst(&self, x: &DVector<f64>) -> Option<usize> {
         Some(BoundedQp::worst(self, x)?.0)
     }
 
-    fn toward(&mut self, row: usize, active: &[usize], x: &DVector<f64>) -> Result<Step, BoundsError> {
+    fn toward(&self, row: usize, active: &[usize], x: &DVector<f64>) -> Result<Step, BoundsError> {
         let normal = self.inequalities.row(row).transpose();
         let equal = self.equality_targets.len();
         let still = DVector::zeros(equal + active.len());

@@ -140,8 +140,8 @@ impl Network {
             .collect();
         let soft_matrix = soft_matrix(&list, &pieces, rows, &soft).to_csr();
         check_values("M", &soft_matrix)?;
-        let (hard_matrix, kept, dependent) = independent_rows(&list, rows, &hard)?;
-        let hard_matrix = with_gauge(hard_matrix, &list, tracks.len(), rows);
+        let HardRows { matrix, kept, dependent } = independent_rows(&list, rows, &hard)?;
+        let hard_matrix = with_gauge(matrix, &list, tracks.len(), rows);
         let rest =
             |row: &PointRow<f64>| row.terms.iter().map(|(_, point, a)| a * (*point as f64 * step)).sum();
         Ok(Self {
@@ -283,12 +283,14 @@ fn soft_matrix(
     matrix
 }
 
-/// Matrix and numbers of the independent rows among `hard`, and how the others depend on them.
-fn independent_rows(
-    list: &KnotList,
-    rows: &[PointRow<f64>],
-    hard: &[usize],
-) -> Result<(RowMatrix<f64>, Vec<usize>, Vec<Dependency<f64>>), KktError> {
+/// Rows of `H`, numbered as given, and how the hard rows left out depend on them.
+struct HardRows {
+    matrix: RowMatrix<f64>,
+    kept: Vec<usize>,
+    dependent: Vec<Dependency<f64>>,
+}
+
+fn independent_rows(list: &KnotList, rows: &[PointRow<f64>], hard: &[usize]) -> Result<HardRows, KktError> {
     let matrix = |chosen: &[usize]| {
         let mut matrix = RowMatrix::new(list.points.len());
         chosen.iter().for_each(|row| {
@@ -304,7 +306,8 @@ fn independent_rows(
         combination: dependency.combination.into_iter().map(|(row, y)| (hard[row], y)).collect(),
     };
     let kept: Vec<usize> = rank.independent.into_iter().map(|row| hard[row]).collect();
-    Ok((matrix(&kept), kept, rank.dependent.into_iter().map(as_given).collect()))
+    let dependent = rank.dependent.into_iter().map(as_given).collect();
+    Ok(HardRows { matrix: matrix(&kept), kept, dependent })
 }
 
 /// Adds a row for every motion of whole tracks that no row sees: it keeps the first knot of the first track that takes
@@ -349,8 +352,8 @@ fn spread(knots: &[usize], delays: &[f64], step: f64, times: &mut [f64]) {
     (0..first).for_each(|point| times[point] = at(point, before));
     for (knots, delays) in knots.windows(2).zip(delays.windows(2)) {
         let slope = (delays[1] - delays[0]) / (knots[1] - knots[0]) as f64;
-        for point in knots[0]..knots[1] {
-            times[point] = at(point, delays[0] + (point - knots[0]) as f64 * slope);
+        for (n, time) in times[knots[0]..knots[1]].iter_mut().enumerate() {
+            *time = at(knots[0] + n, delays[0] + n as f64 * slope);
         }
     }
     (last..times.len()).for_each(|point| times[point] = at(point, after));

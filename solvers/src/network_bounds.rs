@@ -7,25 +7,27 @@
 //! ```
 //!
 //! and their normals are multiples of the piece's own soft row, `c = ± √(n/w) M_k`. So a force on a bound is a shifted target
-//! of its spring, and `K⁻¹c`, the response to it, is one solve with the factor of the network without bounds. For the active
-//! rows `W` and a violated row p,
+//! of its spring, and every step of the method is a sparse least-squares problem with the active rows among the hard ones:
+//! factored anew, since a factor without them loses digits where bounds hold against strong forces.
 //!
-//! ```text
-//!     S r = s,    S = C_W K⁻¹ C_Wᵀ,   s = C_W K⁻¹ c_p,        direction  z = K⁻¹ (c_p − C_Wᵀ r),
-//! ```
-//!
-//! with `S` as large as the active set, its Cholesky factor updated row by row.
+//! The method begins where the published loop ends its first round, with all violated rows met, less those that depend on
+//! others or that want to be released; so few steps are left, however many rows are active at the end.
 //!
 //! Source: Goldfarb and Idnani, *A numerically stable dual method for solving strictly convex quadratic programs*, Math.
-//! Programming 27 (1983); Schur complement of the active set: Gill, Murray, Saunders and Wright, *A Schur-complement method for
-//! sparse quadratic programming* (1990).
+//! Programming 27 (1983).
 
-use crate::bounds::{CURVATURE_TOLERANCE, Program, Step, dual_active_set, full_length, step_limit};
-use crate::error::BoundsError;
-use crate::kkt::{Factor, Workspace};
+use crate::augmented::KktForm;
+use crate::bounds::{
+    CURVATURE_TOLERANCE, DualPoint, Program, Step, dual_active_set, full_length, step_limit,
+};
+use crate::error::{BoundsError, Solution};
+use crate::kkt::analyse;
+use crate::least_squares::LeastSquares;
 use crate::network::{Network, Piece};
 use crate::quadratic::{BoundedQp, BoundedSolution, VIOLATION_TOLERANCE};
-use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
+use crate::rank::analyse_rank;
+use crate::sparse::RowMatrix;
+use nalgebra::{DMatrix, DVector};
 use sprs::CsMat;
 
 /// Least and greatest length of a step, in the unit of [`Network::step`].
@@ -38,19 +40,6 @@ pub struct StepRange {
 }
 
 impl Network {
-    /// The most violated of the inequalities `2k`, `2k + 1` on every piece k.
-    fn worst_row(&self, range: StepRange, x: &[f64]) -> Option<usize> {
-        let sides =
-            self.pieces.iter().enumerate().flat_map(|(k, piece)| [(2 * k, piece), (2 * k + 1, piece)]);
-        let violated = sides.filter_map(|(row, piece)| {
-            let bound = bound(piece, row, self.step, range);
-            let (a, b) = (x[piece.from], x[piece.from + 1]);
-            let missing = bound - sign(row) * (b - a);
-            (missing > VIOLATION_TOLERANCE * (bound.abs() + a.abs() + b.abs())).then_some((row, missing))
-        });
-        Some(violated.reduce(|a, b| if b.1 > a.1 { b } else { a })?.0)
-    }
-
     /// The network with bounds on its steps as a dense program, for [`solve_bounded`](crate::solve_bounded): the independent
     /// route, and that of the clamping loop. `m`, `h`: targets of the problem. Cost: square in unknowns.
     pub fn dense_program(&self, (m, h): (&[f64], &[f64]), range: StepRange) -> BoundedQp {
@@ -81,35 +70,39 @@ impl Network {
         }
     }
 
-    /// Solves the network with bounds on its steps. `factor`: of the network's problem; `m`, `h`: its targets.
+    /// Solves the network with bounds on its steps. `m`, `h`: targets of the problem.
     ///
-    /// Inequalities are numbered as above, two a piece; equalities as the hard rows of the problem. Cost: two sparse solves
-    /// and the square of the active set for every row that becomes active or ceases to be.
+    /// Inequalities are numbered as above, two a piece; equalities as the hard rows of the problem. Cost: a sparse
+    /// factorisation of the problem for the start, and one for every row that becomes active or ceases to be after it.
     ///
     /// # Errors
     /// [`BoundsError::Infeasible`] if hard rows and bounds contradict each other; [`BoundsError::Solve`] for targets that are
-    /// not finite, or if the factor is of another problem.
+    /// not finite.
     pub fn solve_within(
         &self,
-        factor: &Factor<f64>,
         targets: (&[f64], &[f64]),
         range: StepRange,
     ) -> Result<BoundedSolution, BoundsError> {
-        let mut program = SparseProgram::new(self, factor, targets, range);
-        let mut solution = dual_active_set(&mut program)?;
-        program.polish(&mut solution)?;
+        let program = SparseProgram::new(self, targets, range);
+        let mut solution = dual_active_set(&program)?;
+        if solution.iterations > 0 {
+            // Steps add up their rounding; the last active set solved for once more does not.
+            let (x, multipliers) = program.minimiser(&solution.active)?;
+            solution.x = x;
+            solution.multipliers = multipliers.into_iter().map(|u| u.max(0.0)).collect();
+        }
         Ok(solution)
     }
 }
 
 /// +1 for the row that bounds a piece from below, −1 for the one from above.
 fn sign(row: usize) -> f64 {
-    if row % 2 == 0 { 1.0 } else { -1.0 }
+    if row.is_multiple_of(2) { 1.0 } else { -1.0 }
 }
 
 /// Right-hand side of a row.
 fn bound(piece: &Piece, row: usize, step: f64, range: StepRange) -> f64 {
-    let limit = if row % 2 == 0 { range.min } else { range.max };
+    let limit = if row.is_multiple_of(2) { range.min } else { range.max };
     sign(row) * piece.steps as f64 * (limit - step)
 }
 
@@ -123,49 +116,27 @@ fn dense(matrix: &CsMat<f64>) -> DMatrix<f64> {
 
 struct SparseProgram<'a> {
     network: &'a Network,
-    factor: &'a Factor<f64>,
-    workspace: Workspace<f64>,
     range: StepRange,
     targets: (&'a [f64], &'a [f64]),
-    /// Targets of springs shifted by forces on bounds; zero targets of hard rows.
-    forces: Vec<f64>,
-    still: Vec<f64>,
-    /// The row of the last step, and `K⁻¹c` of it.
-    response: Option<(usize, DVector<f64>)>,
-    schur: Cholesky<f64, Dyn>,
-    /// Curvature that is rounding.
-    least: f64,
+    /// Hard rows of the network, to which active ones are added.
+    hard: RowMatrix<f64>,
 }
 
 impl<'a> SparseProgram<'a> {
-    fn new(
-        network: &'a Network,
-        factor: &'a Factor<f64>,
-        targets: (&'a [f64], &'a [f64]),
-        range: StepRange,
-    ) -> Self {
-        let mut stiffness = vec![0.0; network.problem.columns];
-        for row in network.problem.soft.outer_iterator() {
-            row.iter().for_each(|(j, a)| stiffness[j] += a * a);
+    fn new(network: &'a Network, targets: (&'a [f64], &'a [f64]), range: StepRange) -> Self {
+        let mut hard = RowMatrix::new(network.problem.columns);
+        for row in network.problem.hard.outer_iterator() {
+            hard.push_row(&row.iter().map(|(column, a)| (column, *a)).collect::<Vec<_>>());
         }
-        // The largest entry of a positive semidefinite matrix is on its diagonal; a normal is (1, −1).
-        let stiffest = stiffness.into_iter().fold(f64::MIN_POSITIVE, f64::max);
-        Self {
-            network,
-            factor,
-            workspace: factor.workspace(),
-            range,
-            targets,
-            forces: vec![0.0; targets.0.len()],
-            still: vec![0.0; targets.1.len()],
-            response: None,
-            schur: Cholesky::pack_dirty(DMatrix::zeros(0, 0)),
-            least: CURVATURE_TOLERANCE * 2.0 / stiffest,
-        }
+        Self { network, range, targets, hard }
     }
 
     fn piece(&self, row: usize) -> &Piece {
         &self.network.pieces[row / 2]
+    }
+
+    fn bound(&self, row: usize) -> f64 {
+        bound(self.piece(row), row, self.network.step, self.range)
     }
 
     /// `c x`.
@@ -174,87 +145,87 @@ impl<'a> SparseProgram<'a> {
         sign(row) * (x[from + 1] - x[from])
     }
 
-    /// Adds a force on a bound.
-    fn push(&mut self, row: usize, force: f64) {
-        let Piece { steps, weight, .. } = *self.piece(row);
-        self.forces[row / 2] += sign(row) * force * (steps as f64 / weight).sqrt();
+    /// Violated rows and what they miss; normals are all of one length.
+    fn violated(&self, x: &[f64]) -> impl Iterator<Item = (usize, f64)> {
+        (0..2 * self.network.pieces.len()).filter_map(move |row| {
+            let Piece { from, .. } = *self.piece(row);
+            let (bound, missing) = (self.bound(row), self.bound(row) - self.along(row, x));
+            let size = bound.abs() + x[from].abs() + x[from + 1].abs();
+            (missing > VIOLATION_TOLERANCE * size).then_some((row, missing))
+        })
     }
 
-    /// `K⁻¹` of the forces, which are taken off again. Multipliers of the hard rows are left in the workspace.
-    fn respond(&mut self) -> Result<DVector<f64>, BoundsError> {
-        let mut x = DVector::zeros(self.network.problem.columns);
-        self.factor.solve_into(&self.forces, &self.still, x.as_mut_slice(), &mut self.workspace)?;
-        self.forces.fill(0.0);
-        Ok(x)
-    }
-
-    /// Solves for the multipliers' sake once more: `x` to the accuracy of one sparse solve, active rows met to rounding.
-    fn polish(&mut self, solution: &mut BoundedSolution) -> Result<(), BoundsError> {
-        let (m, h) = self.targets;
-        for _ in 0..2 {
-            self.forces.copy_from_slice(m);
-            for (row, force) in solution.active.iter().zip(&solution.multipliers) {
-                self.push(*row, *force);
-            }
-            self.factor.solve_into(&self.forces, h, &mut solution.x, &mut self.workspace)?;
-            let missing = solution.active.iter().map(|row| {
-                bound(self.piece(*row), *row, self.network.step, self.range) - self.along(*row, &solution.x)
-            });
-            let missing = DVector::from_iterator(solution.active.len(), missing);
-            let change = self.schur.solve(&missing);
-            solution.multipliers.iter_mut().zip(change.iter()).for_each(|(u, d)| *u = (*u + d).max(0.0));
+    /// Hard rows, the active ones last.
+    fn hard_with(&self, active: &[usize]) -> CsMat<f64> {
+        let mut hard = self.hard.clone();
+        for row in active {
+            let Piece { from, .. } = *self.piece(*row);
+            hard.push_row(&[(from, -sign(*row)), (from + 1, sign(*row))]);
         }
-        Ok(())
+        hard.to_csr()
+    }
+
+    fn solve_held(&self, active: &[usize], m: &[f64], h: &[f64]) -> Result<Solution<f64>, BoundsError> {
+        let Network { problem, .. } = self.network;
+        let problem = LeastSquares {
+            columns: problem.columns,
+            soft: problem.soft.clone(),
+            hard: self.hard_with(active),
+        };
+        Ok(analyse(&problem, KktForm::Hachtel)?.factor(&problem)?.solve(m, h)?)
+    }
+
+    /// Minimiser where the active rows hold with equality, and their multipliers.
+    fn minimiser(&self, active: &[usize]) -> Result<(Vec<f64>, Vec<f64>), BoundsError> {
+        let (m, h) = self.targets;
+        let h: Vec<f64> = h.iter().copied().chain(active.iter().map(|row| self.bound(*row))).collect();
+        let Solution { x, multipliers, .. } = self.solve_held(active, m, &h)?;
+        Ok((x, multipliers[self.hard.rows()..].iter().map(|lambda| -lambda).collect()))
+    }
+
+    /// Rows without those that depend on the hard ones or on those before.
+    fn independent(&self, rows: &[usize]) -> Vec<usize> {
+        let own = analyse_rank(&self.hard_with(rows)).independent.into_iter();
+        own.filter_map(|row| Some(rows[row.checked_sub(self.hard.rows())?])).collect()
     }
 }
 
 impl Program for SparseProgram<'_> {
-    fn start(&mut self) -> Result<DVector<f64>, BoundsError> {
-        let mut x = DVector::zeros(self.network.problem.columns);
-        let (m, h) = self.targets;
-        self.factor.solve_into(m, h, x.as_mut_slice(), &mut self.workspace)?;
-        Ok(x)
+    fn start(&self) -> Result<DualPoint, BoundsError> {
+        let (free, _) = self.minimiser(&[])?;
+        let violated: Vec<usize> = self.violated(&free).map(|(row, _)| row).collect();
+        let mut active = self.independent(&violated);
+        loop {
+            let (x, multipliers) = self.minimiser(&active)?;
+            if multipliers.iter().all(|u| *u >= 0.0) {
+                return Ok(DualPoint { x: DVector::from_vec(x), active, multipliers });
+            }
+            let pushes = active.into_iter().zip(&multipliers).filter(|(_, u)| **u >= 0.0);
+            active = pushes.map(|(row, _)| row).collect();
+        }
     }
 
     fn worst(&self, x: &DVector<f64>) -> Option<usize> {
-        self.network.worst_row(self.range, x.as_slice())
+        Some(self.violated(x.as_slice()).reduce(|a, b| if b.1 > a.1 { b } else { a })?.0)
     }
 
-    fn toward(&mut self, row: usize, active: &[usize], x: &DVector<f64>) -> Result<Step, BoundsError> {
-        let response = match self.response.take() {
-            Some((known, response)) if known == row => response,
-            _ => {
-                self.push(row, 1.0);
-                self.respond()?
-            }
-        };
-        let shared = active.iter().map(|other| self.along(*other, response.as_slice()));
-        let relief = self.schur.solve(&DVector::from_iterator(active.len(), shared));
-        self.response = Some((row, response));
-        self.push(row, 1.0);
-        active.iter().zip(relief.iter()).for_each(|(other, r)| self.push(*other, -r));
-        let direction = self.respond()?;
-        let missing =
-            bound(self.piece(row), row, self.network.step, self.range) - self.along(row, x.as_slice());
-        let curvature = self.along(row, direction.as_slice());
+    fn toward(&self, row: usize, active: &[usize], x: &DVector<f64>) -> Result<Step, BoundsError> {
+        let Piece { steps, weight, .. } = *self.piece(row);
+        let compliance = steps as f64 / weight;
+        let mut force = vec![0.0; self.targets.0.len()];
+        force[row / 2] = sign(row) * compliance.sqrt();
+        let still = vec![0.0; self.hard.rows() + active.len()];
+        let Solution { x: direction, mut multipliers, .. } = self.solve_held(active, &force, &still)?;
+        let missing = self.bound(row) - self.along(row, x.as_slice());
+        // Without everything else, the spring itself would give way by its compliance.
+        let least = CURVATURE_TOLERANCE * compliance;
         Ok(Step {
-            full_length: full_length(missing, curvature, self.least),
-            relief: relief.as_slice().to_vec(),
-            equality_relief: self.workspace.multipliers().to_vec(),
-            direction,
+            full_length: full_length(missing, self.along(row, &direction), least),
+            relief: multipliers.split_off(self.hard.rows()),
+            equality_relief: multipliers,
+            direction: DVector::from_vec(direction),
             missing,
         })
-    }
-
-    fn activate(&mut self, active: &[usize]) {
-        let Some((_, response)) = self.response.take() else { return };
-        let column = active.iter().map(|other| self.along(*other, response.as_slice()));
-        let column = DVector::from_iterator(active.len(), column);
-        self.schur = self.schur.insert_column(active.len() - 1, column);
-    }
-
-    fn release(&mut self, place: usize) {
-        self.schur = self.schur.remove_column(place);
     }
 
     fn step_limit(&self) -> usize {

@@ -118,8 +118,8 @@ impl TemporalComponent {
         Ok(())
     }
 
-    /// Solves for the present seconds. Cost: linear in rows, and one pass over the frames; where bounds are met, for every
-    /// piece at a bound two more solves on the rows. [`Backend::Direct`]: linear in frames; with bounds met, a dense program
+    /// Solves for the present seconds. Cost: linear in rows, and one pass over the frames; where bounds are met, a
+    /// few factorisations of the rows. [`Backend::Direct`]: linear in frames; with bounds met, a dense program
     /// of the constrained frames. Allocates nothing after the first time, unless bounds are met.
     ///
     /// # Errors
@@ -223,10 +223,9 @@ impl TemporalComponent {
     fn solve_bounded(&mut self, bounds: StepBounds) -> Result<(), TemporalError> {
         self.check_bounds_allow(bounds)?;
         let range = StepRange { min: bounds.min * WORKING_STEP, max: bounds.max * WORKING_STEP };
-        match (self.settings.backend, self.settings.method, &self.factor) {
-            (Backend::Reduced, BoundMethod::DualActiveSet, Some((factor, _))) => {
-                let targets = (&self.soft_targets[..], &self.hard_targets[..]);
-                let solution = self.network.solve_within(factor, targets, range);
+        match (self.settings.backend, self.settings.method) {
+            (Backend::Reduced, BoundMethod::DualActiveSet) => {
+                let solution = self.network.solve_within((&self.soft_targets, &self.hard_targets), range);
                 self.x = solution.map_err(|error| self.explain(error))?.x;
                 self.take_solution();
             }
