@@ -5,7 +5,7 @@
 //! | problem | solver |
 //! |---|---|
 //! | `min ½‖M x − m‖²` s.t. `H x = h`, sparse, real or complex | [`analyse`], [`Analysis::factor`], [`Factor::solve_into`]: plan once per pattern, factor once per weights, solve for many targets. [`solve`] does all three |
-//! | tracks of even steps with rows on their points | [`Network`]: condensed to the touched points, whatever their number of steps |
+//! | tracks of even steps with rows on their points | [`Network`]: condensed to the touched points, whatever the number of steps between; with bounds on steps, [`Network::solve_within`] |
 //! | which rows of `H` repeat or contradict others | [`analyse_rank`], before factoring: dependent rows make the factorisation fail |
 //! | `min ½xᵀGx − gᵀx` s.t. `A x = b`, `C x ≥ d`, dense, up to about a hundred unknowns | [`solve_bounded`] |
 //! | is there any `x` with `x_to − x_from` in given intervals, and how far can each node move | [`node_bounds`] |

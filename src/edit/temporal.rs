@@ -119,8 +119,9 @@ impl TemporalComponent {
     }
 
     /// Solves for the present seconds. Cost: linear in rows, and one pass over the frames; where bounds are met, a
-    /// few factorisations of the rows. [`Backend::Direct`]: linear in frames; with bounds met, a dense program
-    /// of the constrained frames. Allocates nothing after the first time, unless bounds are met.
+    /// factorisation on the rows for every time that the set of steps at a bound changes. [`Backend::Direct`]: linear in
+    /// frames; where bounds are met, cubic in constrained frames for each of these times. Allocates nothing after the first
+    /// time, unless bounds are met.
     ///
     /// # Errors
     /// Contradicting hard times, or hard times that the bounds do not allow; then times are still those of the last solve
@@ -156,7 +157,7 @@ impl TemporalComponent {
     fn check_agreement(&self) -> Result<(), TemporalError> {
         for dependency in &self.network.dependent {
             let miss = dependency.mismatch(&self.seconds);
-            let agrees = miss <= AGREEMENT;
+            let agrees = miss <= AGREEMENT; // which NaN does not
             if !agrees {
                 return Err(TemporalError::Conflict {
                     constraints: self.constraints(dependency.certificate()),
