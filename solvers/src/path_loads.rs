@@ -27,7 +27,8 @@ pub(crate) struct PathLoads {
     terms: Vec<(usize, c64)>,
     first: c64,
     centre: c64,
-    /// Root of the summed squared distances from the centre; 0 for a path without extent.
+    /// Root of the summed squared distances of its points from the centre; where they are one point, of those it knows; 0
+    /// without extent.
     radius: f64,
     /// Row, row not before it, covariance.
     covariances: Vec<(usize, usize, c64)>,
@@ -54,8 +55,8 @@ impl PathLoads {
         let first = own.start.min(nodes.first().copied().unwrap_or(own.start));
         let starts = std::iter::once(first).chain(nodes.iter().copied());
         let moments = starts.zip(&nodes).map(|(from, to)| own_moments(path, &own, from, *to)).collect();
-        let (centre, spread) = path.spread(own.clone());
-        let floor = COINCIDENT * (1.0 + centre.norm()) * (own.len() as f64).sqrt();
+        let known = first..own.end.max(nodes.last().map_or(0, |last| last + 1));
+        let (centre, radius) = extent(path, &own, known);
         let mut loads = Self {
             own,
             nodes,
@@ -64,7 +65,7 @@ impl PathLoads {
             terms: Vec::new(),
             first: path.point(first),
             centre,
-            radius: if spread > floor { spread } else { 0.0 },
+            radius,
             covariances: Vec::new(),
             seen: Vec::new(),
         };
@@ -273,4 +274,15 @@ fn own_moments(path: &SpringPath, own: &Range<usize>, from: usize, to: usize) ->
     }
     let step = path.point(from + 1) - path.point(from);
     Moments::of_spring(0.0, step).then(own_moments(path, own, from + 1, to))
+}
+
+/// Centre of a piece's own points, and what its turns are measured by: see [`PathLoads::radius`].
+fn extent(path: &SpringPath, own: &Range<usize>, known: Range<usize>) -> (c64, f64) {
+    let (centre, spread) = path.spread(own.clone());
+    let floor = COINCIDENT * (1.0 + centre.norm()) * (own.len() as f64).sqrt();
+    if spread > floor {
+        return (centre, spread);
+    }
+    let beyond = known.map(|j| (path.point(j) - centre).norm_sqr()).sum::<f64>().sqrt();
+    (centre, if beyond > floor { beyond } else { 0.0 })
 }

@@ -84,6 +84,7 @@ fn cuts(path: &SpringPath, terms: &[(usize, usize, c64)]) -> Vec<usize> {
         let longest = (pair[0] + 1..=pair[1]).max_by(|a, b| length(a).total_cmp(&length(b)));
         longest.filter(|point| length(point) > 0.0)
     };
-    let pairs = touched.chunks(PIECE_POINTS).zip(touched.chunks(PIECE_POINTS).skip(1));
+    let points = touched.len().div_ceil(touched.len().div_ceil(PIECE_POINTS));
+    let pairs = touched.chunks(points).zip(touched.chunks(points).skip(1));
     pairs.filter_map(|(one, next)| between([one[one.len() - 1], next[0]])).collect()
 }

@@ -11,6 +11,9 @@ const PLACES: f64 = 1e-8;
 /// Energies, relative, or absolute where the minimum is all but 0.
 const ENERGIES: (f64, f64) = (1e-8, 1e-14);
 
+/// Of each path.
+const POINTS: usize = 130;
+
 #[derive(Clone, Debug)]
 struct Problem {
     paths: Vec<SpringPath>,
@@ -27,34 +30,36 @@ fn path() -> impl Strategy<Value = SpringPath> {
     let step = (0.5..1.5_f64, -0.6..0.6_f64);
     let compliance = prop_oneof![4 => Just(1.0), 1 => Just(0.0), 1 => 1e-3..1e3_f64];
     let stretches = prop::collection::vec((2..40_usize, compliance), 1..8);
-    (prop::collection::vec(step, 130..150), stretches, any::<bool>()).prop_map(|(steps, stretches, even)| {
-        let mut point = c64::new(3.0, -1.0);
-        let mut heading = 0.0;
-        let mut points = vec![point];
-        for (length, turn) in steps {
-            heading += turn;
-            point += c64::from_polar(length, heading);
-            points.push(point);
-        }
-        let count = points.len();
-        let mut starts = vec![(0, 1.0)];
-        let mut start = 0;
-        for (length, compliance) in stretches {
-            start += length;
-            starts.push((start, compliance));
-        }
-        if even {
-            return SpringPath::Even { count, stretches: starts };
-        }
-        let at = |s: usize| starts.iter().rev().find(|(first, _)| *first <= s).map_or(1.0, |(_, c)| *c);
-        let own = |s: usize| if s == 0 || s == count - 1 { 0.0 } else { at(s) };
-        SpringPath::Listed { points, compliances: (0..count).map(own).collect() }
-    })
+    (prop::collection::vec(step, POINTS - 1), stretches, any::<bool>()).prop_map(
+        |(steps, stretches, even)| {
+            let mut point = c64::new(3.0, -1.0);
+            let mut heading = 0.0;
+            let mut points = vec![point];
+            for (length, turn) in steps {
+                heading += turn;
+                point += c64::from_polar(length, heading);
+                points.push(point);
+            }
+            let count = points.len();
+            let mut starts = vec![(0, 1.0)];
+            let mut start = 0;
+            for (length, compliance) in stretches {
+                start += length;
+                starts.push((start, compliance));
+            }
+            if even {
+                return SpringPath::Even { count, stretches: starts };
+            }
+            let at = |s: usize| starts.iter().rev().find(|(first, _)| *first <= s).map_or(1.0, |(_, c)| *c);
+            let own = |s: usize| if s == 0 || s == count - 1 { 0.0 } else { at(s) };
+            SpringPath::Listed { points, compliances: (0..count).map(own).collect() }
+        },
+    )
 }
 
 fn row(paths: usize) -> impl Strategy<Value = (PointRow<c64>, c64)> {
     let coefficient = prop_oneof![Just(c64::new(1.0, 0.0)), Just(c64::new(-1.0, 0.0)), point()];
-    let term = (0..paths, 0..130_usize, coefficient);
+    let term = (0..paths, 0..POINTS, coefficient);
     let weight = prop_oneof![3 => (0.1..100.0_f64).prop_map(Some), 1 => Just(None)];
     (prop::collection::vec(term, 1..4), weight, point())
         .prop_map(|(terms, weight, target)| (PointRow { terms, weight }, target))
