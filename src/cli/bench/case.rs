@@ -1,0 +1,217 @@
+//! One case, measured in this process: a workload, a back end, a number of threads.
+
+use cotillion_solvers::workload::Workload;
+use cotillion_solvers::{KktError, c64};
+use serde::{Deserialize, Serialize};
+
+use super::direct::{Direct, DirectTime};
+use super::measure::{
+    Edited, Lap, Part, Phase, Rig, Solver, Watch, cold, drag, medians, passes, repeated, scaled_steps,
+};
+use super::names::{Backend, Mode, System, WorkloadName};
+
+/// What is measured in a process of its own.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Case {
+    pub(super) workload: WorkloadName,
+    pub(super) backend: Backend,
+    pub(super) threads: usize,
+}
+
+/// One measurement.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub(super) struct Row {
+    pub(super) workload: WorkloadName,
+    pub(super) characters: usize,
+    pub(super) frames: usize,
+    pub(super) backend: Backend,
+    pub(super) system: System,
+    pub(super) mode: Mode,
+    pub(super) threads: usize,
+    /// Median of the repetitions, milliseconds; none if nothing was measured.
+    pub(super) ms: Option<f64>,
+    /// Median of each phase by itself.
+    pub(super) phases_ms: Option<PhaseTimes>,
+    pub(super) repetitions: usize,
+    /// Largest distance of a point to the reference, metres; for times, seconds; for all, the larger number. None
+    /// without a reference.
+    pub(super) max_error: Option<f64>,
+    /// Most memory the process of this case ever held, megabytes (10⁶ bytes); none where the system does not tell.
+    pub(super) peak_mb: Option<f64>,
+    /// Why nothing was measured.
+    pub(super) note: Option<String>,
+}
+
+/// Milliseconds of each phase; a drag has the last two.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub(super) struct PhaseTimes {
+    pub(super) assemble: Option<f64>,
+    pub(super) analyse: Option<f64>,
+    pub(super) factor: Option<f64>,
+    pub(super) solve: Option<f64>,
+    pub(super) expand: Option<f64>,
+}
+
+/// Systems and modes of every case, in the order of its rows.
+pub(super) const KINDS: [(System, Mode); 8] = [
+    (System::Shape, Mode::Cold),
+    (System::Shape, Mode::Drag),
+    (System::Scale, Mode::Cold),
+    (System::Scale, Mode::Drag),
+    (System::Time, Mode::Cold),
+    (System::Time, Mode::Drag),
+    (System::All, Mode::Cold),
+    (System::All, Mode::Drag),
+];
+
+/// Most frames of a workload for which the reference is computed.
+const MOST_FRAMES_OF_REFERENCE: usize = 500_000;
+
+/// Measures all systems of a case. Memory is read before the reference is computed.
+pub(super) fn measure(case: Case, repetitions: Option<usize>) -> Result<Vec<Row>, KktError> {
+    let workload = case.workload.build();
+    let measured = match case.backend {
+        Backend::DirectReal => timed::<Direct<f64>, DirectTime>(&workload, repetitions)?,
+        Backend::DirectComplex => timed::<Direct<c64>, DirectTime>(&workload, repetitions)?,
+    };
+    let peak_mb = peak_mb();
+    let reference = match workload.samples() <= MOST_FRAMES_OF_REFERENCE {
+        true => Some(reference(&workload)?),
+        false => None,
+    };
+    let row = |(system, mode): (System, Mode)| {
+        let (laps, edited, own) = match mode {
+            Mode::Cold => (&measured.cold, &measured.cold_edit, 0),
+            Mode::Drag => (&measured.drag, &measured.drag_edit, 1),
+        };
+        let medians = medians(laps, system);
+        let phase = |phase: Phase| passes(mode, phase).then(|| medians.phases[phase as usize]);
+        Row {
+            ms: Some(medians.total),
+            phases_ms: Some(PhaseTimes {
+                assemble: phase(Phase::Assemble),
+                analyse: phase(Phase::Analyse),
+                factor: phase(Phase::Factor),
+                solve: phase(Phase::Solve),
+                expand: phase(Phase::Expand),
+            }),
+            repetitions: laps.len(),
+            max_error: reference.as_ref().map(|reference| edited.distance(&reference[own], system)),
+            peak_mb,
+            ..unmeasured(case, (system, mode), (workload.paths.len(), workload.samples()))
+        }
+    };
+    Ok(KINDS.into_iter().map(row).collect())
+}
+
+/// A row without numbers. `sizes`: characters and frames.
+pub(super) fn unmeasured(
+    Case { workload, backend, threads }: Case,
+    (system, mode): (System, Mode),
+    (characters, frames): (usize, usize),
+) -> Row {
+    Row {
+        workload,
+        characters,
+        frames,
+        backend,
+        system,
+        mode,
+        threads,
+        ms: None,
+        phases_ms: None,
+        repetitions: 0,
+        max_error: None,
+        peak_mb: None,
+        note: None,
+    }
+}
+
+/// Times of both modes, and an edit of each.
+struct Measured {
+    cold: Vec<Lap>,
+    drag: Vec<Lap>,
+    cold_edit: Edited,
+    /// The edit of the first drag step.
+    drag_edit: Edited,
+}
+
+fn timed<S: Solver<Point = c64>, T: Solver<Point = f64>>(
+    workload: &Workload,
+    repetitions: Option<usize>,
+) -> Result<Measured, KktError> {
+    let mut cold_edit = Edited::room(workload);
+    let mut rig = None;
+    let cold = repeated(repetitions, |_| {
+        // The last rig goes first: two at a time would be counted as memory.
+        rig = None;
+        let (own, laps) = cold::<S, T>(workload, &mut cold_edit)?;
+        rig = Some(own);
+        Ok(laps)
+    })?;
+    let mut rig = rig.expect("at least one repetition");
+    let mut drag_edit = Edited::room(workload);
+    let drag_laps = repeated(repetitions, |step| dragged(&mut rig, workload, step, &mut drag_edit))?;
+    dragged(&mut rig, workload, 0, &mut drag_edit)?;
+    Ok(Measured { cold, drag: drag_laps, cold_edit, drag_edit })
+}
+
+fn dragged<S: Solver<Point = c64>, T: Solver<Point = f64>>(
+    rig: &mut Rig<S, T>,
+    workload: &Workload,
+    step: usize,
+    edited: &mut Edited,
+) -> Result<Lap, KktError> {
+    let (targets, times) = workload.dragged(step);
+    drag(rig, workload, (&targets, &times), edited)
+}
+
+/// The edit, and that of the first drag step, by the direct complex systems with residuals in twice the digits.
+pub(super) fn reference(workload: &Workload) -> Result<[Edited; 2], KktError> {
+    let watch = &mut Watch::default();
+    let mut shape = Direct::<c64>::prepare(workload, Part::Shape, watch)?;
+    let mut scale = Direct::<c64>::prepare(workload, Part::Scale, watch)?;
+    let mut time = DirectTime::prepare(workload, Part::Time, watch)?;
+    let mut refined = |(targets, times): (Vec<c64>, Vec<f64>)| {
+        let mut edited = Edited::room(workload);
+        shape.refined_into(&[], &targets, &mut edited.shape)?;
+        scaled_steps(&workload.paths, &edited.shape, &mut edited.steps);
+        scale.refined_into(&edited.steps, &targets, &mut edited.scale)?;
+        time.refined_into(&times, &mut edited.times)?;
+        Ok(edited)
+    };
+    let at_first = refined((workload.targets.clone(), workload.time_targets.clone()))?;
+    Ok([at_first, refined(workload.dragged(0))?])
+}
+
+/// Most memory this process ever held, from `/proc/self/status`.
+fn peak_mb() -> Option<f64> {
+    let status = std::fs::read_to_string("/proc/self/status").ok()?;
+    let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"))?;
+    let kibibytes: f64 = line.trim().strip_suffix("kB")?.trim().parse().ok()?;
+    Some(kibibytes * 1024.0 / 1e6)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Rest paths and shape factors are rounded to 1e-16 before anything is solved; chains magnify that a thousandfold.
+    const ROUNDING: f64 = 1e-12;
+
+    fn assert_shape(workload: WorkloadName, (path, sample): (usize, usize), expected: c64) {
+        let [edited, _] = reference(&workload.build()).expect("four pins hold the chain");
+        let error = (edited.shape[path][sample] - expected).norm();
+        assert!(error < ROUNDING, "{workload:?}: sample {sample} of path {path} is off by {error:e}");
+    }
+
+    #[test]
+    fn reference_has_the_values_of_extended_precision() {
+        let ten = WorkloadName::RelayChain10;
+        assert_shape(ten, (5, 100), c64::new(5.813_551_112_688_542, 2.769_720_488_645_895_7));
+        assert_shape(ten, (0, 5), c64::new(0.104_599_182_720_965_8, 0.082_369_634_562_799_6));
+        let many = WorkloadName::RelayChain78;
+        assert_shape(many, (39, 100), c64::new(58.998_429_613_471_06, 9.413_471_960_046_654));
+        assert_shape(many, (0, 5), c64::new(0.092_148_887_768_899_7, 0.069_138_873_359_794_5));
+    }
+}
