@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 
 use super::direct::{Direct, DirectTime};
 use super::measure::{
-    Edited, Lap, Part, Phase, Rig, Solver, Watch, cold, drag, medians, passes, repeated, scaled_steps,
+    Edited, Lap, Part, Phase, Rig, Solver, Watch, cold, drag, median_lap, passes, repeated, scaled_steps,
 };
 use super::names::{Backend, Mode, System, WorkloadName};
 
@@ -30,7 +30,7 @@ pub(super) struct Row {
     pub(super) threads: usize,
     /// Median of the repetitions, milliseconds; none if nothing was measured.
     pub(super) ms: Option<f64>,
-    /// Median of each phase by itself.
+    /// Phases of the median repetition.
     pub(super) phases_ms: Option<PhaseTimes>,
     pub(super) repetitions: usize,
     /// Largest distance of a point to the reference, metres; for times, seconds; for all, the larger number. None
@@ -84,10 +84,10 @@ pub(super) fn measure(case: Case, repetitions: Option<usize>) -> Result<Vec<Row>
             Mode::Cold => (&measured.cold, &measured.cold_edit, 0),
             Mode::Drag => (&measured.drag, &measured.drag_edit, 1),
         };
-        let medians = medians(laps, system);
-        let phase = |phase: Phase| passes(mode, phase).then(|| medians.phases[phase as usize]);
+        let watch = median_lap(laps, system);
+        let phase = |phase: Phase| passes(mode, phase).then(|| watch.0[phase as usize]);
         Row {
-            ms: Some(medians.total),
+            ms: Some(watch.total()),
             phases_ms: Some(PhaseTimes {
                 assemble: phase(Phase::Assemble),
                 analyse: phase(Phase::Analyse),

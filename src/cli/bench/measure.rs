@@ -192,17 +192,11 @@ pub(super) fn repeated(
     }
 }
 
-/// What repeated measurements of one system come to.
-pub(super) struct Medians {
-    pub(super) total: f64,
-    pub(super) phases: [f64; 5],
-}
-
-/// Medians of the totals and, each by itself, of the phases.
-pub(super) fn medians(laps: &[Lap], system: System) -> Medians {
-    let watches: Vec<Watch> = laps.iter().map(|lap| watch_of(lap, system)).collect();
-    let phase = |k: usize| median(watches.iter().map(|watch| watch.0[k]).collect());
-    Medians { total: median(watches.iter().map(Watch::total).collect()), phases: std::array::from_fn(phase) }
+/// The repetition whose total is the median (of an even number, the faster one in the middle), so that its phases add up.
+pub(super) fn median_lap(laps: &[Lap], system: System) -> Watch {
+    let mut watches: Vec<Watch> = laps.iter().map(|lap| watch_of(lap, system)).collect();
+    watches.sort_by(|a, b| a.total().total_cmp(&b.total()));
+    watches.get(watches.len().saturating_sub(1) / 2).copied().unwrap_or_default()
 }
 
 fn watch_of(lap: &Lap, system: System) -> Watch {
@@ -212,13 +206,6 @@ fn watch_of(lap: &Lap, system: System) -> Watch {
         System::Time => lap[2],
         System::All => Watch(std::array::from_fn(|k| lap.iter().map(|watch| watch.0[k]).sum())),
     }
-}
-
-/// The middle one, or the mean of the two in the middle; 0 of none.
-fn median(mut values: Vec<f64>) -> f64 {
-    values.sort_by(f64::total_cmp);
-    let n = values.len();
-    if n == 0 { 0.0 } else { 0.5 * (values[(n - 1) / 2] + values[n / 2]) }
 }
 
 /// Phases that a mode goes through.
@@ -231,9 +218,16 @@ mod tests {
     use super::*;
 
     #[test]
-    fn median_is_in_the_middle() {
-        assert_eq!(median(vec![9.0, 1.0, 3.0]), 3.0);
-        assert_eq!(median(vec![9.0, 1.0, 3.0, 5.0]), 4.0);
+    fn median_repetition_keeps_its_phases() {
+        let lap = |solve: f64| {
+            let mut lap = Lap::default();
+            lap[0].0 = [1.0, 0.0, 0.0, solve, 0.0];
+            lap
+        };
+        let laps = [lap(9.0), lap(1.0), lap(3.0)];
+        assert_eq!(median_lap(&laps, System::Shape).0, [1.0, 0.0, 0.0, 3.0, 0.0]);
+        assert_eq!(median_lap(&laps, System::All).total(), 4.0);
+        assert_eq!(median_lap(&laps, System::Time).total(), 0.0);
     }
 
     #[test]

@@ -94,7 +94,7 @@ fn rows_of(case: Case, args: &BenchArgs) -> Vec<Row> {
     let (_, frames) = case.workload.sizes();
     let most = case.backend.most_frames();
     if frames > most && !args.all {
-        return noted(case, &format!("skipped: more than {most} frames; --all measures it"));
+        return noted(case, &format!("skipped: {frames} frames are more than {most}; --all measures it"));
     }
     measured_elsewhere(case, args.repetitions)
 }

@@ -13,19 +13,22 @@ pub(super) fn table(rows: &[Row], systems: &[System]) -> String {
     for workload in workloads {
         let own: Vec<&Row> = rows.iter().filter(|row| row.workload == workload).collect();
         text += &heading(workload, own[0]);
-        text += HEADER;
+        if own.iter().any(|row| row.ms.is_some()) {
+            text += &HEADER.concat();
+        }
         for system in systems {
             text += &block(&own, *system);
         }
+        text += &left_out(&own);
         text.push('\n');
     }
     text + &notes(rows)
 }
 
-const HEADER: &str = "\
-                        cold, ms                                                 drag, ms
-system  back end      t assemble analyse  factor   solve  expand    total  speed    solve  expand    total  speed    error     MB
-";
+const HEADER: [&str; 2] = [
+    "                         cold, ms                                                 drag, ms\n",
+    "system  back end       t assemble analyse  factor   solve  expand    total  speed    solve  expand    total  speed    error     MB\n",
+];
 
 fn heading(workload: WorkloadName, row: &Row) -> String {
     let paper = workload.published().map_or(String::new(), |scene| {
@@ -40,17 +43,30 @@ fn heading(workload: WorkloadName, row: &Row) -> String {
 
 fn block(rows: &[&Row], system: System) -> String {
     let of = |mode: Mode| rows.iter().copied().filter(move |row| (row.system, row.mode) == (system, mode));
+    let mut label = name_of(system);
     let mut text = String::new();
-    for (k, (cold, drag)) in of(Mode::Cold).zip(of(Mode::Drag)).enumerate() {
-        let label = if k == 0 { name_of(system) } else { String::new() };
-        let _ = write!(text, "{label:<7} {:<13} {:>1} ", name_of(cold.backend), cold.threads);
-        match (&cold.note, cold.phases_ms, drag.phases_ms) {
-            (None, Some(whole), Some(step)) => text += &numbers(rows, (cold, whole), (drag, step)),
-            (note, ..) => text += note.as_deref().unwrap_or("not measured"),
+    for (cold, drag) in of(Mode::Cold).zip(of(Mode::Drag)) {
+        if let (Some(whole), Some(step)) = (cold.phases_ms, drag.phases_ms) {
+            let _ = write!(text, "{label:<7} {:<14} {:>1} ", name_of(cold.backend), cold.threads);
+            text += &numbers(rows, (cold, whole), (drag, step));
+            text.push('\n');
+            label.clear();
         }
-        text.push('\n');
     }
     text
+}
+
+/// Who was not measured, and why.
+fn left_out(rows: &[&Row]) -> String {
+    let mut lines: Vec<String> = Vec::new();
+    for row in rows {
+        let Some(note) = &row.note else { continue };
+        let line = format!("        {:<14} {note}\n", name_of(row.backend));
+        if !lines.contains(&line) {
+            lines.push(line);
+        }
+    }
+    lines.concat()
 }
 
 fn numbers(rows: &[&Row], (cold, whole): (&Row, PhaseTimes), (drag, step): (&Row, PhaseTimes)) -> String {
