@@ -32,6 +32,10 @@
 
 pub use augmented::KktForm;
 pub use bounds::{BoundMethod, solve_bounded};
+pub use chain::{ChainPiece, ChainRow, compose, condense, shape_rows};
+pub use chain_path::RowTargets;
+pub use chain_system::{ChainSystem, ChainWorkspace};
+pub use chain_tree::{ChainTree, SplicePart, splice};
 pub use difference::{Difference, DifferenceError, NodeBounds, node_bounds};
 pub use error::{BoundsError, KktError, Solution, SolveReport};
 pub use kkt::{Analysis, Factor, Workspace, analyse, solve};
@@ -46,6 +50,10 @@ pub use sprs::CsMat;
 
 mod augmented;
 mod bounds;
+mod chain;
+mod chain_path;
+mod chain_system;
+mod chain_tree;
 mod clamp;
 mod difference;
 mod error;
