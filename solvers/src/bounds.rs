@@ -1,4 +1,5 @@
-//! Small dense quadratic programs with bounds: the dual active-set method, and a clamping loop to compare it with.
+//! Quadratic programs with bounds: the dual active-set method, on small dense programs and whatever else can take its
+//! steps, and a clamping loop to compare it with.
 
 use crate::clamp::clamp_and_repeat;
 use crate::error::BoundsError;
@@ -6,7 +7,7 @@ use crate::quadratic::{BoundedQp, BoundedSolution, check};
 use nalgebra::DVector;
 
 /// A row with less curvature than this, relative to its square over the largest entry of `G`, depends on the active ones.
-const CURVATURE_TOLERANCE: f64 = 1e-11;
+pub(crate) const CURVATURE_TOLERANCE: f64 = 1e-11;
 /// Coefficients below this, relative to the largest, are not part of a certificate.
 const CERTIFICATE_TOLERANCE: f64 = 1e-6;
 
@@ -37,19 +38,41 @@ pub fn solve_bounded(qp: &BoundedQp, method: BoundMethod) -> Result<BoundedSolut
     }
 }
 
-fn dual_active_set(qp: &BoundedQp) -> Result<BoundedSolution, BoundsError> {
-    let limit = 100 + 20 * (qp.linear.len() + qp.inequalities.nrows());
-    let (mut x, _) = qp.solve_held(&[], &qp.linear, &qp.equality_targets)?;
-    let (mut active, mut multipliers): (Vec<usize>, Vec<f64>) = (Vec::new(), Vec::new());
+/// What the dual active-set method asks of a program `min ½xᵀGx − gᵀx` s.t. `A x = b`, `C x ≥ d`.
+pub(crate) trait Program {
+    /// Where to begin: the minimiser with some independent rows met, no multiplier below 0; possibly with none.
+    fn start(&self) -> Result<DualPoint, BoundsError>;
+    /// The most violated row of `C`.
+    fn worst(&self, x: &DVector<f64>) -> Option<usize>;
+    /// How to meet `row` while the active rows stay met.
+    fn toward(&self, row: usize, active: &[usize], x: &DVector<f64>) -> Result<Step, BoundsError>;
+    /// Steps that a sound program never needs.
+    fn step_limit(&self) -> usize;
+}
+
+/// A minimiser where active rows hold with equality.
+pub(crate) struct DualPoint {
+    pub(crate) x: DVector<f64>,
+    /// Active rows.
+    pub(crate) active: Vec<usize>,
+    /// Their multipliers.
+    pub(crate) multipliers: Vec<f64>,
+}
+
+/// The dual active-set method: from a minimiser that ignores some rows to the one that meets all, the most violated row
+/// first.
+pub(crate) fn dual_active_set(program: &impl Program) -> Result<BoundedSolution, BoundsError> {
+    let limit = program.step_limit();
+    let DualPoint { mut x, mut active, mut multipliers } = program.start()?;
     let mut iterations = 0;
-    while let Some((row, _)) = qp.worst(&x) {
+    while let Some(row) = program.worst(&x) {
         let mut multiplier = 0.0;
         loop {
             iterations += 1;
             if iterations > limit {
                 return Err(BoundsError::TooManyIterations { limit });
             }
-            let step = Step::toward(qp, row, &active, &x)?;
+            let step = program.toward(row, &active, &x)?;
             let blocking = step.blocking(&multipliers);
             let blocked_at = blocking.map_or(f64::INFINITY, |(_, length)| length);
             let length = step.full_length.min(blocked_at);
@@ -73,33 +96,59 @@ fn dual_active_set(qp: &BoundedQp) -> Result<BoundedSolution, BoundsError> {
     Ok(BoundedSolution { x: x.as_slice().to_vec(), active, multipliers, iterations })
 }
 
+impl Program for BoundedQp {
+    fn start(&self) -> Result<DualPoint, BoundsError> {
+        let (x, _) = self.solve_held(&[], &self.linear, &self.equality_targets)?;
+        Ok(DualPoint { x, active: Vec::new(), multipliers: Vec::new() })
+    }
+
+    fn worst(&self, x: &DVector<f64>) -> Option<usize> {
+        Some(BoundedQp::worst(self, x)?.0)
+    }
+
+    fn toward(&self, row: usize, active: &[usize], x: &DVector<f64>) -> Result<Step, BoundsError> {
+        let normal = self.inequalities.row(row).transpose();
+        let equal = self.equality_targets.len();
+        let still = DVector::zeros(equal + active.len());
+        let (direction, relief) = self.solve_held(active, &normal, &still)?;
+        let missing = self.lower_bounds[row] - normal.dot(x);
+        let least = CURVATURE_TOLERANCE * normal.norm_squared() / self.hessian.amax();
+        let full_length = full_length(missing, normal.dot(&direction), least);
+        let (of_equalities, of_active) = relief.as_slice().split_at(equal);
+        let (relief, equality_relief) = (of_active.to_vec(), of_equalities.to_vec());
+        Ok(Step { direction, relief, equality_relief, full_length, missing })
+    }
+
+    fn step_limit(&self) -> usize {
+        step_limit(self.linear.len() + self.inequalities.nrows())
+    }
+}
+
+/// Far more steps than any program of `size` unknowns and inequalities was seen to take.
+pub(crate) fn step_limit(size: usize) -> usize {
+    100 + 20 * size
+}
+
+/// Multiplier at which a row that misses its bound by `missing` meets it, where a unit of it gains `curvature`; infinite if
+/// that is no more than rounding, `least`.
+pub(crate) fn full_length(missing: f64, curvature: f64, least: f64) -> f64 {
+    if curvature > least { (missing / curvature).max(0.0) } else { f64::INFINITY }
+}
+
 /// How `x` and the multipliers of the active rows move as the multiplier of a violated row grows.
-struct Step {
-    direction: DVector<f64>,
+pub(crate) struct Step {
+    pub(crate) direction: DVector<f64>,
     /// Decrease of each active row's multiplier per unit of the new one.
-    relief: Vec<f64>,
+    pub(crate) relief: Vec<f64>,
     /// The same of the equality rows.
-    equality_relief: Vec<f64>,
+    pub(crate) equality_relief: Vec<f64>,
     /// Multiplier at which the row is met; infinite if no step meets it.
-    full_length: f64,
-    missing: f64,
+    pub(crate) full_length: f64,
+    /// By how much the row misses its bound.
+    pub(crate) missing: f64,
 }
 
 impl Step {
-    fn toward(qp: &BoundedQp, row: usize, active: &[usize], x: &DVector<f64>) -> Result<Self, BoundsError> {
-        let normal = qp.inequalities.row(row).transpose();
-        let equal = qp.equality_targets.len();
-        let still = DVector::zeros(equal + active.len());
-        let (direction, relief) = qp.solve_held(active, &normal, &still)?;
-        let missing = qp.lower_bounds[row] - normal.dot(x);
-        let curvature = normal.dot(&direction);
-        let least = CURVATURE_TOLERANCE * normal.norm_squared() / qp.hessian.amax();
-        let full_length = if curvature > least { (missing / curvature).max(0.0) } else { f64::INFINITY };
-        let (of_equalities, of_active) = relief.as_slice().split_at(equal);
-        let (relief, equality_relief) = (of_active.to_vec(), of_equalities.to_vec());
-        Ok(Self { direction, relief, equality_relief, full_length, missing })
-    }
-
     /// The active row whose multiplier reaches zero first, and when.
     fn blocking(&self, multipliers: &[f64]) -> Option<(usize, f64)> {
         let largest = self.relief.iter().fold(0.0_f64, |a, r| a.max(r.abs()));

@@ -121,6 +121,9 @@ pub enum BoundsError {
         /// What it misses while the others hold.
         violation: f64,
     },
+    /// A sparse solve in between found no answer.
+    #[error(transparent)]
+    Solve(#[from] KktError),
     /// Rounding made the method go on without end.
     #[error("no minimiser after {limit} steps")]
     TooManyIterations {

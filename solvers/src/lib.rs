@@ -5,6 +5,7 @@
 //! | problem | solver |
 //! |---|---|
 //! | `min ½‖M x − m‖²` s.t. `H x = h`, sparse, real or complex | [`analyse`], [`Analysis::factor`], [`Factor::solve_into`]: plan once per pattern, factor once per weights, solve for many targets. [`solve`] does all three |
+//! | tracks of even steps with rows on their points | [`Network`]: condensed to the touched points, whatever their number of steps |
 //! | which rows of `H` repeat or contradict others | [`analyse_rank`], before factoring: dependent rows make the factorisation fail |
 //! | `min ½xᵀGx − gᵀx` s.t. `A x = b`, `C x ≥ d`, dense, up to about a hundred unknowns | [`solve_bounded`] |
 //! | is there any `x` with `x_to − x_from` in given intervals, and how far can each node move | [`node_bounds`] |
@@ -41,6 +42,8 @@ pub use error::{BoundsError, KktError, Solution, SolveReport};
 pub use kkt::{Analysis, Factor, Workspace, analyse, solve};
 pub use least_squares::LeastSquares;
 pub use nalgebra::{DMatrix, DVector};
+pub use network::{Knots, Network, NetworkEnergy, Piece, Track};
+pub use network_bounds::StepRange;
 pub use points::{PointRow, PointTerm};
 pub use quadratic::{BoundedQp, BoundedSolution};
 pub use rank::{Dependency, RankReport, analyse_rank};
@@ -60,6 +63,8 @@ mod error;
 mod kkt;
 mod least_squares;
 mod lu;
+mod network;
+mod network_bounds;
 mod points;
 mod quadratic;
 mod rank;

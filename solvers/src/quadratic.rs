@@ -4,7 +4,7 @@ use crate::error::BoundsError;
 use nalgebra::{DMatrix, DVector};
 
 /// A row is violated if it misses its bound by more, relative to the sizes of its terms.
-const VIOLATION_TOLERANCE: f64 = 1e-11;
+pub(crate) const VIOLATION_TOLERANCE: f64 = 1e-11;
 /// Residual of a dense solve, relative to its right-hand side, beyond which the matrix counts as singular.
 const SOLVE_TOLERANCE: f64 = 1e-7;
 

@@ -18,7 +18,6 @@ pub mod phase;
 pub mod spatial;
 pub mod facing;
 pub mod time_row;
-pub mod condensed;
 pub mod temporal;
 pub mod energy;
 pub mod error;

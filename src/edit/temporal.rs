@@ -1,17 +1,17 @@
 //! Time warping: when each frame happens. Rows `t_{i+1} − t_i = h` of every track, and the temporal constraints.
 //!
-//! The unconstrained answer comes from the full augmented system; where it breaks a bound on time steps, the exact
-//! condensation to constrained frames is solved by a dual active set (steps between them are uniform at the optimum, with
-//! bounds as without). Source: Kim et al. 2009, §4.3; bounds: Goldfarb & Idnani 1983.
+//! Tracks are networks of springs, condensed exactly to the frames that constraints touch, or solved in full to compare
+//! with. Where the answer breaks a bound on steps, a dual active set goes on from there (steps between constrained frames
+//! are even at the optimum, with bounds as without). Source: Kim et al. 2009, §4.3; bounds: Goldfarb & Idnani 1983.
 
 use cotillion_solvers::{
-    BoundMethod, BoundsError, Dependency, Difference, DifferenceError, Factor, KktError, KktForm,
-    LeastSquares, RowMatrix, Workspace, analyse, analyse_rank, node_bounds, solve_bounded,
+    BoundMethod, BoundsError, Difference, DifferenceError, Factor, KktError, KktForm, Knots, Network,
+    NetworkEnergy, PointRow, StepRange, Track, Workspace, analyse, node_bounds, solve_bounded,
 };
 
 use crate::clip::working::WORKING_STEP;
 use crate::constraint::Strength;
-use crate::edit::condensed::Condensed;
+use crate::edit::settings::Backend;
 use crate::edit::time_row::{StepBounds, TimePoint, TimeRow};
 use crate::index::ConstraintId;
 
@@ -27,6 +27,8 @@ pub struct TemporalSettings {
     pub bounds: Option<StepBounds>,
     /// How bounds are found.
     pub method: BoundMethod,
+    /// Which solver answers.
+    pub backend: Backend,
 }
 
 /// Why tracks have no times.
@@ -65,73 +67,38 @@ pub struct TemporalComponent {
     /// Steps that stand at a bound.
     pub active_steps: usize,
     settings: TemporalSettings,
-    starts: Vec<usize>,
-    /// What constraints hold beyond the last frame of each track, in steps.
-    tails: Vec<f64>,
-    gauge: Option<usize>,
-    hard: Vec<usize>,
-    soft: Vec<usize>,
-    kept: Vec<usize>,
-    dependent: Vec<Dependency<f64>>,
-    problem: LeastSquares<f64>,
+    network: Network,
     factor: Option<(Factor<f64>, Workspace<f64>)>,
+    /// Seconds of each row, as solved for.
+    seconds: Vec<f64>,
     soft_targets: Vec<f64>,
     hard_targets: Vec<f64>,
+    /// Delays of the network's knots.
     x: Vec<f64>,
 }
 
 impl TemporalComponent {
     /// Assembles the system of a connected group of tracks; without an absolute time, the first frame of the first track
     /// stays at 0.
+    ///
+    /// # Panics
+    /// If a row's moment or weight is not finite, its weight is negative, or its track does not exist.
     pub fn new(counts: Vec<usize>, rows: Vec<TimeRow>, settings: TemporalSettings) -> Self {
-        let starts: Vec<usize> = counts
-            .iter()
-            .scan(0, |next, count| {
-                let start = *next;
-                *next += count;
-                Some(start)
-            })
-            .collect();
-        let columns = counts.iter().sum();
-        let (hard, soft): (Vec<usize>, Vec<usize>) =
-            (0..rows.len()).partition(|row| rows[*row].strength == Strength::Hard);
-        let terms = |row: usize| rows[row].terms(&counts, |track, frame| starts[track] + frame);
-        let mut hard_matrix = RowMatrix::new(columns);
-        hard.iter().for_each(|row| {
-            hard_matrix.push_row(&terms(*row));
-        });
-        let rank = analyse_rank(&hard_matrix.to_csr());
-        let mut kept_matrix = RowMatrix::new(columns);
-        rank.independent.iter().for_each(|row| {
-            kept_matrix.push_row(&terms(hard[*row]));
-        });
-        let gauge = rows.iter().all(|row| row.minus.is_some()).then_some(0);
-        if let Some(column) = gauge {
-            kept_matrix.push_row(&[(column, 1.0)]);
-        }
-        let tails = tails(&counts, &rows);
-        let soft_matrix = soft_rows(&rows, &soft, &counts, &starts, &tails);
-        let soft_targets = step_targets(&counts, &tails, soft_matrix.rows());
-        let problem = LeastSquares { columns, soft: soft_matrix.to_csr(), hard: kept_matrix.to_csr() };
+        let network = network(&counts, &rows, settings.backend);
+        let (soft_targets, hard_targets) = network.targets();
         Self {
             times: counts.iter().map(|count| vec![0.0; *count]).collect(),
             energy: (0.0, 0.0),
             active_steps: 0,
             factor: None,
+            seconds: vec![0.0; rows.len()],
             soft_targets,
-            tails,
-            hard_targets: vec![0.0; problem.hard.rows()],
-            x: vec![0.0; columns],
-            kept: rank.independent,
-            dependent: rank.dependent,
+            hard_targets,
+            x: vec![0.0; network.problem.columns],
             counts,
             rows,
             settings,
-            starts,
-            gauge,
-            hard,
-            soft,
-            problem,
+            network,
         }
     }
 
@@ -141,8 +108,9 @@ impl TemporalComponent {
     /// What the solver says of a matrix it cannot factor.
     pub fn factor(&mut self) -> Result<(), TemporalError> {
         if self.factor.is_none() {
-            let factor = analyse(&self.problem, KktForm::Hachtel)
-                .and_then(|analysis| analysis.factor(&self.problem))
+            let problem = &self.network.problem;
+            let factor = analyse(problem, KktForm::Hachtel)
+                .and_then(|analysis| analysis.factor(problem))
                 .map_err(TemporalError::Solver)?;
             let workspace = factor.workspace();
             self.factor = Some((factor, workspace));
@@ -150,70 +118,60 @@ impl TemporalComponent {
         Ok(())
     }
 
-    /// Solves for the present seconds. Cost: linear in frames, cubic in constrained frames where a bound is met.
+    /// Solves for the present seconds. Cost: linear in rows, and one pass over the frames; where bounds are met, a
+    /// few factorisations of the rows. [`Backend::Direct`]: linear in frames; with bounds met, a dense program
+    /// of the constrained frames. Allocates nothing after the first time, unless bounds are met.
     ///
     /// # Errors
-    /// Contradicting hard times, or hard times that the bounds do not allow.
+    /// Contradicting hard times, or hard times that the bounds do not allow; then times are still those of the last solve
+    /// that succeeded.
     pub fn solve(&mut self) -> Result<(), TemporalError> {
+        self.seconds.iter_mut().zip(&self.rows).for_each(|(seconds, row)| *seconds = row.seconds);
         self.check_agreement()?;
-        self.check_bounds_allow()?;
-        let steps = self.step_count();
-        for (target, row) in self.soft_targets[steps..].iter_mut().zip(&self.soft) {
-            *target = self.rows[*row].weight().sqrt() * self.rows[*row].seconds;
-        }
-        for (target, kept) in self.hard_targets.iter_mut().zip(&self.kept) {
-            *target = self.rows[self.hard[*kept]].seconds;
-        }
+        self.network.write_targets(&self.seconds, &mut self.soft_targets, &mut self.hard_targets);
         self.factor()?;
         let Some((factor, workspace)) = &mut self.factor else { return Ok(()) };
         factor
             .solve_into(&self.soft_targets, &self.hard_targets, &mut self.x, workspace)
             .map_err(TemporalError::Solver)?;
-        for ((times, start), count) in self.times.iter_mut().zip(&self.starts).zip(&self.counts) {
-            times.copy_from_slice(&self.x[*start..start + count]);
+        match self.settings.bounds.filter(|bounds| self.breaks(*bounds)) {
+            Some(bounds) => self.solve_bounded(bounds)?,
+            None => {
+                self.active_steps = 0;
+                self.take_solution();
+            }
         }
-        self.active_steps = 0;
-        if let Some(bounds) = self.settings.bounds.filter(|bounds| self.breaks(*bounds)) {
-            self.solve_condensed(bounds)?;
-        }
-        let all = self.soft_targets.len();
-        self.energy = (
-            self.problem.energy_of_rows(0..steps, &self.x, &self.soft_targets),
-            self.problem.energy_of_rows(steps..all, &self.x, &self.soft_targets),
-        );
         Ok(())
     }
 
     /// Constraints whose hard rows others imply.
     pub fn redundant(&self) -> Vec<ConstraintId> {
+        let dependent = self.network.dependent.iter();
         let mut constraints: Vec<ConstraintId> =
-            self.dependent.iter().map(|dependency| self.rows[self.hard[dependency.row]].constraint).collect();
+            dependent.map(|dependency| self.rows[dependency.row].constraint).collect();
         constraints.dedup();
         constraints
     }
 
-    fn step_count(&self) -> usize {
-        self.counts.iter().map(|count| count - 1).sum()
-    }
-
     fn check_agreement(&self) -> Result<(), TemporalError> {
-        let targets: Vec<f64> = self.hard.iter().map(|row| self.rows[*row].seconds).collect();
-        for dependency in &self.dependent {
-            let miss = dependency.mismatch(&targets);
-            if miss > AGREEMENT {
-                let rows = dependency.certificate();
-                let constraints = rows.into_iter().map(|row| self.rows[self.hard[row]].constraint).collect();
-                return Err(TemporalError::Conflict { constraints: unique(constraints), miss });
+        for dependency in &self.network.dependent {
+            let miss = dependency.mismatch(&self.seconds);
+            let agrees = miss <= AGREEMENT;
+            if !agrees {
+                return Err(TemporalError::Conflict {
+                    constraints: self.constraints(dependency.certificate()),
+                    miss,
+                });
             }
         }
         Ok(())
     }
 
     /// Hard times and bounds are differences of times: a negative cycle says which cannot hold together.
-    fn check_bounds_allow(&self) -> Result<(), TemporalError> {
-        let Some(bounds) = self.settings.bounds else { return Ok(()) };
-        let mut nodes: Vec<(usize, f64)> = self
-            .hard
+    fn check_bounds_allow(&self, bounds: StepBounds) -> Result<(), TemporalError> {
+        let is_hard = |row: &usize| self.rows[*row].strength == Strength::Hard;
+        let hard: Vec<usize> = (0..self.rows.len()).filter(is_hard).collect();
+        let mut nodes: Vec<(usize, f64)> = hard
             .iter()
             .flat_map(|row| std::iter::once(self.rows[*row].at).chain(self.rows[*row].minus))
             .map(|point| (point.track, point.frame))
@@ -232,41 +190,46 @@ impl TemporalComponent {
             let (lower, upper) = (rest * bounds.min, rest * bounds.max);
             differences.push(Difference { from: index, to: index + 1, lower, upper, id: self.rows.len() });
         }
-        for row in &self.hard {
+        for row in &hard {
             let TimeRow { at, minus, seconds, .. } = self.rows[*row];
             let from = minus.map_or(origin, node);
             differences.push(Difference { from, to: node(at), lower: seconds, upper: seconds, id: *row });
         }
         match node_bounds(origin + 1, origin, &differences) {
             Err(DifferenceError::Contradiction { ids, deficit }) => {
-                let rows = ids.into_iter().filter(|id| *id < self.rows.len());
-                let constraints = rows.map(|row| self.rows[row].constraint).collect();
-                Err(TemporalError::Infeasible { constraints: unique(constraints), deficit })
+                let constraints = self.constraints(ids.into_iter().filter(|id| *id < self.rows.len()));
+                Err(TemporalError::Infeasible { constraints, deficit })
             }
             _ => Ok(()),
         }
     }
 
+    /// Whether steps between constrained frames are out of bounds; others are as at rest.
     fn breaks(&self, bounds: StepBounds) -> bool {
         let slack = BOUND_TOLERANCE;
-        let broken = |pair: &[f64]| {
-            let step = (pair[1] - pair[0]) / WORKING_STEP;
+        self.network.pieces.iter().any(|piece| {
+            let step = 1.0 + self.network.lengthening(piece, &self.x) / WORKING_STEP;
             step < bounds.min - slack || step > bounds.max + slack
-        };
-        self.times.iter().any(|times| times.windows(2).any(broken))
+        })
     }
 
-    /// Solves for the constrained frames alone, with the bounds, and fills in the rest.
-    fn solve_condensed(&mut self, bounds: StepBounds) -> Result<(), TemporalError> {
-        let hard: Vec<TimeRow> = self.kept.iter().map(|kept| self.rows[self.hard[*kept]]).collect();
-        let soft: Vec<TimeRow> = self.soft.iter().map(|row| self.rows[*row]).collect();
-        let rows = (&hard[..], &soft[..]);
-        let condensed = Condensed::new(&self.counts, &self.tails, rows, self.gauge.is_some());
-        let solution = solve_bounded(&condensed.problem(bounds), self.settings.method)
-            .map_err(|error| self.explain(error))?;
-        condensed.expand(&solution.x, &mut self.times);
-        for (times, start) in self.times.iter().zip(&self.starts) {
-            self.x[*start..start + times.len()].copy_from_slice(times);
+    fn take_solution(&mut self) {
+        self.network.expand(&self.x, &mut self.times);
+        let NetworkEnergy { springs, rows } = self.network.energy(&self.x, &self.soft_targets);
+        self.energy = (springs, rows);
+    }
+
+    /// Goes on from a solution that breaks bounds: sparse, or where another solver or method is asked for, dense.
+    fn solve_bounded(&mut self, bounds: StepBounds) -> Result<(), TemporalError> {
+        self.check_bounds_allow(bounds)?;
+        let range = StepRange { min: bounds.min * WORKING_STEP, max: bounds.max * WORKING_STEP };
+        match (self.settings.backend, self.settings.method) {
+            (Backend::Reduced, BoundMethod::DualActiveSet) => {
+                let solution = self.network.solve_within((&self.soft_targets, &self.hard_targets), range);
+                self.x = solution.map_err(|error| self.explain(error))?.x;
+                self.take_solution();
+            }
+            _ => self.solve_dense(range)?,
         }
         let at_bound = |step: f64| (step - bounds.min).abs() < 1e-7 || (step - bounds.max).abs() < 1e-7;
         let steps = self.times.iter().flat_map(|times| times.windows(2));
@@ -274,16 +237,51 @@ impl TemporalComponent {
         Ok(())
     }
 
+    /// The bounded problem on the constrained frames, dense.
+    fn solve_dense(&mut self, range: StepRange) -> Result<(), TemporalError> {
+        let network = network(&self.counts, &self.rows, Backend::Reduced);
+        let (mut m, mut h) = network.targets();
+        network.write_targets(&self.seconds, &mut m, &mut h);
+        let solution = solve_bounded(&network.dense_program((&m, &h), range), self.settings.method)
+            .map_err(|error| self.explain(error))?;
+        network.expand(&solution.x, &mut self.times);
+        let NetworkEnergy { springs, rows } = network.energy(&solution.x, &m);
+        self.energy = (springs, rows);
+        Ok(())
+    }
+
     fn explain(&self, error: BoundsError) -> TemporalError {
         match error {
             BoundsError::Infeasible { violation, equalities, .. } => {
-                let rows = equalities.into_iter().filter_map(|row| self.kept.get(row));
-                let constraints = rows.map(|kept| self.rows[self.hard[*kept]].constraint).collect();
-                TemporalError::Infeasible { constraints: unique(constraints), deficit: violation }
+                let rows = equalities.into_iter().filter_map(|row| self.network.kept.get(row).copied());
+                TemporalError::Infeasible { constraints: self.constraints(rows), deficit: violation }
             }
             other => TemporalError::Bounds(other),
         }
     }
+
+    /// Constraints of some rows, rising.
+    fn constraints(&self, rows: impl IntoIterator<Item = usize>) -> Vec<ConstraintId> {
+        let mut constraints: Vec<ConstraintId> =
+            rows.into_iter().map(|row| self.rows[row].constraint).collect();
+        constraints.sort_unstable();
+        constraints.dedup();
+        constraints
+    }
+}
+
+/// Tracks with the rows on them: those frames as unknowns that `backend` needs.
+fn network(counts: &[usize], rows: &[TimeRow], backend: Backend) -> Network {
+    let knots = match backend {
+        Backend::Reduced => Knots::Touched,
+        Backend::Direct => Knots::All,
+    };
+    let tails = tails(counts, rows);
+    let tracks: Vec<Track> =
+        counts.iter().zip(tails).map(|(count, tail)| Track { points: *count, tail }).collect();
+    let rows: Vec<PointRow<f64>> = rows.iter().map(|row| row.on_points(counts)).collect();
+    Network::new(&tracks, WORKING_STEP, &rows, knots)
+        .expect("moments are finite, weights finite and positive")
 }
 
 /// How far beyond the last frame of each track some constraint lies, in steps: tracks may end between working frames.
@@ -294,45 +292,4 @@ fn tails(counts: &[usize], rows: &[TimeRow]) -> Vec<f64> {
         tails[point.track] = beyond.max(tails[point.track]);
     }
     tails
-}
-
-/// Right-hand sides of `rows` soft rows, those of constraints 0.
-fn step_targets(counts: &[usize], tails: &[f64], rows: usize) -> Vec<f64> {
-    let mut targets = Vec::with_capacity(rows);
-    for (count, tail) in counts.iter().zip(tails).filter(|(count, _)| **count > 1) {
-        targets.resize(targets.len() + count - 2, WORKING_STEP);
-        targets.push(WORKING_STEP * (1.0 + tail).sqrt());
-    }
-    targets.resize(rows, 0.0);
-    targets
-}
-
-fn unique(mut constraints: Vec<ConstraintId>) -> Vec<ConstraintId> {
-    constraints.sort_unstable();
-    constraints.dedup();
-    constraints
-}
-
-/// Rows of the steps, then of the soft constraints. A last step that also decides the time after it counts accordingly.
-fn soft_rows(
-    rows: &[TimeRow],
-    soft: &[usize],
-    counts: &[usize],
-    starts: &[usize],
-    tails: &[f64],
-) -> RowMatrix<f64> {
-    let mut matrix = RowMatrix::new(counts.iter().sum());
-    for ((start, count), tail) in starts.iter().zip(counts).zip(tails) {
-        for frame in 0..count - 1 {
-            let root = if frame + 2 == *count { (1.0 + tail).sqrt() } else { 1.0 };
-            matrix.push_row(&[(start + frame, -root), (start + frame + 1, root)]);
-        }
-    }
-    for row in soft {
-        let root = rows[*row].weight().sqrt();
-        let mut terms = rows[*row].terms(counts, |track, frame| starts[track] + frame);
-        terms.iter_mut().for_each(|(_, value)| *value *= root);
-        matrix.push_row(&terms);
-    }
-    matrix
 }

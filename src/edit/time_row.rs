@@ -1,5 +1,7 @@
 //! Temporal constraints as rows. Source: Kim et al. 2009, §4.3.
 
+use cotillion_solvers::PointRow;
+
 use crate::constraint::Strength;
 use crate::index::ConstraintId;
 use crate::path::bracket;
@@ -29,26 +31,21 @@ pub struct TimeRow {
 }
 
 impl TimeRow {
-    /// Coefficients over the unknowns that `column(track, frame)` numbers; `counts`: frames of each track.
-    pub fn terms(&self, counts: &[usize], column: impl Fn(usize, usize) -> usize) -> Vec<(usize, f64)> {
+    /// The row on the frames of tracks; `counts`: frames of each track. A moment between frames touches both.
+    pub fn on_points(&self, counts: &[usize]) -> PointRow<f64> {
         let mut terms = Vec::with_capacity(4);
         for (point, sign) in std::iter::once((self.at, 1.0)).chain(self.minus.map(|minus| (minus, -1.0))) {
             let (low, high, share) = bracket(point.frame, counts[point.track]);
             if share != 1.0 {
-                terms.push((column(point.track, low), sign * (1.0 - share)));
+                terms.push((point.track, low, sign * (1.0 - share)));
             }
             if share != 0.0 {
-                terms.push((column(point.track, high), sign * share));
+                terms.push((point.track, high, sign * share));
             }
         }
-        terms
-    }
-
-    /// Weight of a soft row; 1 for a hard one.
-    pub fn weight(&self) -> f64 {
         match self.strength {
-            Strength::Hard => 1.0,
-            Strength::Soft(weight) => weight,
+            Strength::Hard => PointRow::hard(terms),
+            Strength::Soft(weight) => PointRow::soft(terms, weight),
         }
     }
 }
