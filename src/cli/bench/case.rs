@@ -4,6 +4,7 @@ use cotillion_solvers::workload::Workload;
 use cotillion_solvers::{KktError, c64};
 use serde::{Deserialize, Serialize};
 
+use super::chain::{Chain, Springs};
 use super::direct::{Direct, DirectTime};
 use super::measure::{
     Edited, Lap, Part, Phase, Rig, Solver, Watch, cold, drag, median_lap, passes, repeated, scaled_steps,
@@ -73,6 +74,7 @@ pub(super) fn measure(case: Case, repetitions: Option<usize>) -> Result<Vec<Row>
     let measured = match case.backend {
         Backend::DirectReal => timed::<Direct<f64>, DirectTime>(&workload, repetitions)?,
         Backend::DirectComplex => timed::<Direct<c64>, DirectTime>(&workload, repetitions)?,
+        Backend::Chain => timed::<Chain, Springs>(&workload, repetitions)?,
     };
     let peak_mb = peak_mb();
     let reference = match workload.samples() <= MOST_FRAMES_OF_REFERENCE {

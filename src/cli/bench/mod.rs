@@ -1,6 +1,7 @@
 //! `cotillion bench`: what edits cost, by workload, back end and number of threads.
 
 mod case;
+mod chain;
 mod direct;
 mod elsewhere;
 mod measure;

@@ -96,6 +96,8 @@ pub(super) enum Backend {
     DirectReal,
     /// All frames as unknowns, one complex number each; augmented matrix, sparse LU.
     DirectComplex,
+    /// Constrained frames as unknowns; paths condensed by reflections, times to springs.
+    Chain,
 }
 
 impl Backend {
@@ -106,6 +108,7 @@ impl Backend {
     pub(super) fn most_frames(self) -> usize {
         match self {
             Self::DirectReal | Self::DirectComplex => 500_000,
+            Self::Chain => usize::MAX,
         }
     }
 }
