@@ -272,8 +272,8 @@ struct Full<T> {
     x: Vec<T>,
 }
 
-/// Corrections of the reference at most; each gains four digits or more.
-const MOST_CORRECTIONS: usize = 6;
+/// Corrections of the reference at most. Each gains three digits or more, so after two all digits of `f64` are there.
+const MOST_CORRECTIONS: usize = 2;
 
 impl<T: Scalar> Full<T> {
     fn new(problem: LeastSquares<T>, watch: &mut Watch) -> Result<Self, KktError> {

@@ -116,10 +116,10 @@ fn write(folder: &Path, rows: &[Row], output: &Output) -> Result<(), Failure> {
 fn failures(output: &Output, rows: &[Row]) -> Result<(), Failure> {
     let mut errors: Vec<PlainError> = Vec::new();
     for row in rows {
-        let Some(note) = row.note.as_ref().filter(|note| note.starts_with(FAILED)) else { continue };
-        let file = format!("{}, {}, {} threads", name_of(row.workload), name_of(row.backend), row.threads);
+        let Some(reason) = row.note.as_ref().and_then(|note| note.strip_prefix(FAILED)) else { continue };
+        let file = format!("{}, {}, threads {}", name_of(row.workload), name_of(row.backend), row.threads);
         if errors.last().is_none_or(|last| last.file != file) {
-            errors.push(PlainError { file, line: 0, column: 0, message: note.clone(), help: None });
+            errors.push(PlainError { file, line: 0, column: 0, message: reason.to_owned(), help: None });
         }
     }
     if errors.is_empty() {
@@ -138,7 +138,10 @@ fn cases(args: &BenchArgs) -> Vec<Case> {
     let mut cases = Vec::new();
     for workload in chosen(&args.workload) {
         for &backend in or_all(&args.backend) {
-            cases.extend(args.threads.iter().map(|&threads| Case { workload, backend, threads }));
+            for &threads in &args.threads {
+                let case = Case { workload, backend, threads };
+                cases.extend((!cases.contains(&case)).then_some(case));
+            }
         }
     }
     cases
