@@ -3,6 +3,10 @@
 use crate::c64;
 use crate::points::PointRow;
 
+mod published;
+
+pub use published::{CharacterCounts, PUBLISHED_SCENES, PublishedScene, published_scene};
+
 /// Seconds between samples at rest.
 pub const STEP: f64 = 1.0 / 30.0;
 

@@ -1,5 +1,6 @@
-//! Commands of the program. Exit codes: 0 done, 1 hard constraints cannot be satisfied, 2 wrong usage or bad input.
+//! Commands of the program. Exit codes: 0 done, 1 no result (hard constraints cannot be satisfied, a benchmark failed), 2 wrong usage or bad input.
 
+mod bench;
 mod check;
 mod inspect;
 mod output;
@@ -33,6 +34,8 @@ enum Command {
     Clips(ClipsArgs),
     /// Print the JSON Schema of scene files.
     Schema(SchemaArgs),
+    /// Measure how long edits take, by size, solver and number of threads.
+    Bench(bench::BenchArgs),
 }
 
 /// How results and errors are told.
@@ -138,6 +141,8 @@ enum Failure {
     Unsatisfiable,
     /// Wrong usage or bad input.
     BadInput,
+    /// Part of a benchmark could not be measured.
+    CaseFailed,
 }
 
 /// Parses the arguments and runs the command.
@@ -148,10 +153,11 @@ pub(crate) fn main() -> ExitCode {
         Command::Inspect(args) => inspect::inspect(&args),
         Command::Clips(args) => inspect::clips(&args),
         Command::Schema(args) => schema(&args),
+        Command::Bench(args) => bench::bench(&args),
     };
     match done {
         Ok(()) => ExitCode::SUCCESS,
-        Err(Failure::Unsatisfiable) => ExitCode::from(1),
+        Err(Failure::Unsatisfiable | Failure::CaseFailed) => ExitCode::from(1),
         Err(Failure::BadInput) => ExitCode::from(2),
     }
 }

@@ -54,7 +54,7 @@ impl Output {
         }
     }
 
-    fn print_error(&self, text: &str) {
+    pub(crate) fn print_error(&self, text: &str) {
         let mut stderr = std::io::stderr().lock();
         let _ = stderr.write_all(text.as_bytes()).and_then(|()| stderr.flush());
     }

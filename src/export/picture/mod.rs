@@ -5,6 +5,7 @@ use std::fmt::Write as _;
 use crate::geometry::c64;
 
 mod axis;
+mod chart;
 mod flags;
 mod handles;
 mod labels;
@@ -16,6 +17,7 @@ mod svg;
 mod tracks;
 mod view;
 
+pub use chart::{Chart, Series, chart_svg};
 pub use png::{PictureError, to_png};
 
 use legend::draw_legend;
