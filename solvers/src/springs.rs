@@ -146,6 +146,15 @@ pub enum SpringPath {
 }
 
 impl SpringPath {
+    /// Shape rows of weight 1 on these points, no two neighbours of which coincide: `c_s = |g|²`. Cost: linear in points.
+    pub fn of_shape(points: Vec<c64>) -> Self {
+        let square = |pair: &[c64]| (pair[1] - pair[0]).norm_sqr();
+        let inner = points.windows(3).map(|p| (p[2] - p[0]).norm_sqr() / (square(&p[..2]) * square(&p[1..])));
+        let mut compliances = vec![0.0; points.len()];
+        compliances.iter_mut().skip(1).zip(inner).for_each(|(own, c)| *own = c);
+        Self::Listed { points, compliances }
+    }
+
     /// Second differences of `count` points with weight 1.
     pub fn even(count: usize) -> Self {
         Self::Even { count, stretches: vec![(0, 1.0)] }

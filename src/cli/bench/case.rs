@@ -4,7 +4,8 @@ use cotillion_solvers::workload::Workload;
 use cotillion_solvers::{KktError, c64};
 use serde::{Deserialize, Serialize};
 
-use super::chain::{Chain, Springs};
+use super::chain::{Chain, Network};
+use super::compliance::Springs;
 use super::direct::{Direct, DirectTime};
 use super::measure::{
     Edited, Lap, Part, Phase, Rig, Solver, Watch, cold, drag, median_lap, passes, repeated, scaled_steps,
@@ -85,7 +86,8 @@ pub(super) fn measure(case: Case, repetitions: Option<usize>) -> Result<Vec<Row>
     let measured = match case.backend {
         Backend::DirectReal => timed::<Direct<f64>, DirectTime>(&workload, repetitions)?,
         Backend::DirectComplex => timed::<Direct<c64>, DirectTime>(&workload, repetitions)?,
-        Backend::Chain => timed::<Chain, Springs>(&workload, repetitions)?,
+        Backend::Chain => timed::<Chain, Network>(&workload, repetitions)?,
+        Backend::Compliance => timed::<Springs, Network>(&workload, repetitions)?,
     };
     let peak_mb = peak_mb();
     let reference = match workload.samples() <= MOST_FRAMES_OF_REFERENCE {

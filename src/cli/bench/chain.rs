@@ -1,9 +1,10 @@
 //! The chain back end: every path condensed to its constrained points by reflections, times to springs in series.
 
+use cotillion_solvers as solvers;
 use cotillion_solvers::workload::{STEP, Workload};
 use cotillion_solvers::{
-    ChainRow, ChainSystem, ChainWorkspace, Factor, KktError, KktForm, Knots, Network, RowTargets, Track,
-    Workspace, analyse, c64, shape_rows,
+    ChainRow, ChainSystem, ChainWorkspace, Factor, KktError, KktForm, Knots, RowTargets, Track, Workspace,
+    analyse, c64, shape_rows,
 };
 
 use super::measure::{Part, Phase, Solver, Watch};
@@ -65,8 +66,8 @@ fn path_rows(rest: &[c64], part: Part) -> Vec<ChainRow> {
 }
 
 /// Time system over the constrained points.
-pub(super) struct Springs {
-    network: Network,
+pub(super) struct Network {
+    network: solvers::Network,
     factor: Factor<f64>,
     workspace: Workspace<f64>,
     m: Vec<f64>,
@@ -74,14 +75,14 @@ pub(super) struct Springs {
     delays: Vec<f64>,
 }
 
-impl Solver for Springs {
+impl Solver for Network {
     type Point = f64;
 
     fn prepare(workload: &Workload, _: Part, watch: &mut Watch) -> Result<Self, KktError> {
         let network = watch.lap(Phase::Assemble, || {
             let track = |path: &Vec<c64>| Track { points: path.len(), tail: 0.0 };
             let tracks: Vec<Track> = workload.paths.iter().map(track).collect();
-            Network::new(&tracks, STEP, &workload.time_rows, Knots::Touched)
+            solvers::Network::new(&tracks, STEP, &workload.time_rows, Knots::Touched)
         })?;
         let analysis = watch.lap(Phase::Analyse, || analyse(&network.problem, KktForm::Hachtel))?;
         let factor = watch.lap(Phase::Factor, || analysis.factor(&network.problem))?;

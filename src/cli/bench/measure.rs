@@ -4,8 +4,12 @@ use std::time::Instant;
 
 use cotillion_solvers::workload::Workload;
 use cotillion_solvers::{KktError, Scalar, c64};
+use rayon::prelude::*;
 
 use super::names::{Mode, System};
+
+/// Workloads with more samples are spread over all threads by those back ends that can.
+pub(super) const MANY_SAMPLES: usize = 20_000;
 
 /// A stage of a solve.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -156,14 +160,21 @@ pub(super) fn drag<S: Solver<Point = c64>, T: Solver<Point = f64>>(
 /// Steps of the rest paths, turned as the shape phase turned them: `v z / |z|` with `z = v̄ / v`. A step that collapsed
 /// is not turned.
 pub(super) fn scaled_steps(rest: &[Vec<c64>], shape: &[Vec<c64>], steps: &mut [Vec<c64>]) {
-    for ((rest, shape), steps) in rest.iter().zip(shape).zip(steps) {
-        for i in 0..rest.len() - 1 {
-            let (own, bent) = (rest[i + 1] - rest[i], shape[i + 1] - shape[i]);
-            let turn = bent * own.conj();
-            let size = turn.norm_sqr().sqrt();
-            steps[i] = if size > 0.0 { own * (turn / size) } else { own };
-        }
-        steps.truncate(rest.len() - 1);
+    let paths = rest.par_iter().zip(shape).zip(steps);
+    if rest.iter().map(Vec::len).sum::<usize>() > MANY_SAMPLES {
+        paths.with_min_len(16).for_each(|((rest, shape), steps)| turn_steps(rest, shape, steps));
+    } else {
+        paths.with_min_len(rest.len()).for_each(|((rest, shape), steps)| turn_steps(rest, shape, steps));
+    }
+}
+
+fn turn_steps(rest: &[c64], shape: &[c64], steps: &mut Vec<c64>) {
+    steps.truncate(rest.len() - 1);
+    for ((rest, shape), step) in rest.windows(2).zip(shape.windows(2)).zip(steps) {
+        let (own, bent) = (rest[1] - rest[0], shape[1] - shape[0]);
+        let turn = bent * own.conj();
+        let size = turn.norm_sqr().sqrt();
+        *step = if size > 0.0 { own * (turn / size) } else { own };
     }
 }
 

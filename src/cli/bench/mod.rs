@@ -2,6 +2,7 @@
 
 mod case;
 mod chain;
+mod compliance;
 mod direct;
 mod elsewhere;
 mod measure;

@@ -98,6 +98,8 @@ pub(super) enum Backend {
     DirectComplex,
     /// Constrained frames as unknowns; paths condensed by reflections, times to springs.
     Chain,
+    /// Constraint rows as unknowns, and two for each path; paths as chains of springs, times as springs in series.
+    Compliance,
 }
 
 impl Backend {
@@ -108,7 +110,7 @@ impl Backend {
     pub(super) fn most_frames(self) -> usize {
         match self {
             Self::DirectReal | Self::DirectComplex => 500_000,
-            Self::Chain => usize::MAX,
+            Self::Chain | Self::Compliance => usize::MAX,
         }
     }
 }
