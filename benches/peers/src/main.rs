@@ -1,6 +1,6 @@
 //! Prints the comparison: see the README beside this.
 
-use cotillion_peers::measure::Case;
+use cotillion_peers::measure::{Case, Statistic};
 use cotillion_peers::options::{HELP, Options, parse};
 use cotillion_peers::peer::versions;
 use cotillion_peers::race::{Effort, all_fields, race};
@@ -41,7 +41,8 @@ fn run() -> Result<(), Box<dyn Error>> {
         json(&sizes, &about())?
     } else {
         let details = if options.all { details(&sizes)? } else { String::new() };
-        format!("{}\n\n{details}{}{}", about(), table(&sizes)?, notes(&sizes)?)
+        let statistic = if options.least { "least times" } else { "medians" };
+        format!("{}; {statistic}\n\n{details}{}{}", about(), table(&sizes)?, notes(&sizes)?)
     };
     Ok(io::stdout().write_all(text.as_bytes())?)
 }
@@ -58,10 +59,11 @@ fn stay_on_one_thread() -> io::Result<()> {
 fn measure(options: &Options) -> Result<Vec<Size>, Box<dyn Error>> {
     let mut fields = all_fields();
     let mut sizes = Vec::new();
+    let statistic = if options.least { Statistic::Least } else { Statistic::Median };
     for &characters in &options.characters {
         writeln!(io::stderr(), "{characters} characters ...")?;
         let repeats = options.repeats.unwrap_or(if characters <= 200 { 31 } else { 7 });
-        let effort = Effort { repeats, budget: options.budget, all: options.all };
+        let effort = Effort { repeats, budget: options.budget, all: options.all, statistic };
         let case = Case::new(relay_chain(characters))?;
         let rows = race(&case, &mut fields, effort);
         sizes.push(Size { characters, samples: case.workload.samples(), rows });

@@ -10,6 +10,7 @@ Times UMFPACK, KLU and Eigen beside our own solvers on the same systems, on one 
   --repeats N               rounds; by default 31 up to 200 characters, 7 above
   --budget SECONDS          for trying the configurations of one library on one form and size (10)
   --all                     measure all configurations, not only the best of each library and form
+  --least                   least times in place of medians, for a busy machine
   --json                    print JSON in place of the table
 ";
 
@@ -24,6 +25,8 @@ pub struct Options {
     pub budget: f64,
     /// See [`Effort`](crate::race::Effort).
     pub all: bool,
+    /// Least times in place of medians.
+    pub least: bool,
     /// JSON in place of the table.
     pub json: bool,
     /// Print [`HELP`] and nothing else.
@@ -64,6 +67,7 @@ pub fn parse(mut words: impl Iterator<Item = String>) -> Result<Options, OptionE
         budget: 10.0,
         all: false,
         json: false,
+        least: false,
         help: false,
     };
     while let Some(word) = words.next() {
@@ -74,6 +78,7 @@ pub fn parse(mut words: impl Iterator<Item = String>) -> Result<Options, OptionE
             }
             "--budget" => options.budget = value(&mut words, "--budget", "seconds", seconds)?,
             "--all" => options.all = true,
+            "--least" => options.least = true,
             "--json" => options.json = true,
             "--help" => options.help = true,
             _ => return Err(OptionError::Unknown(word)),

@@ -1,7 +1,7 @@
 //! All solvers on one size: each configuration is tried, the best of each library and form is measured.
 
 use crate::configuration::{Configuration, configurations};
-use crate::measure::{Case, LIBRARIES, Run, run_ours, run_peer, summary};
+use crate::measure::{Case, LIBRARIES, Run, Statistic, run_ours, run_peer, summary};
 use crate::ours::{ROUTES, Route};
 use crate::system::{FORMS, Form};
 use std::time::Instant;
@@ -15,6 +15,9 @@ const NEGLIGIBLE: f64 = 1e-3;
 /// Configurations that are less accurate than the best of their field by more than this are not preferred for speed.
 const COMPARABLE: f64 = 100.0;
 
+/// Configurations of each field that are measured, so that the noise of a single trial does not decide.
+const FINALISTS: usize = 2;
+
 /// How much is measured.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Effort {
@@ -25,6 +28,8 @@ pub struct Effort {
     pub budget: f64,
     /// Measure all configurations that were tried, not the best alone.
     pub all: bool,
+    /// What stands for several runs.
+    pub statistic: Statistic,
 }
 
 /// Configurations of one library on one form, the best at the last size first.
@@ -40,9 +45,9 @@ pub struct Row {
     pub configuration: String,
     /// The best of its name: see [`best_first`].
     pub best: bool,
-    /// Medians; `None` if it failed.
+    /// Medians, or least times; `None` if it failed.
     pub run: Option<Run>,
-    /// Runs that the medians are of.
+    /// Runs that they are of.
     pub repeats: usize,
 }
 
@@ -64,12 +69,14 @@ pub fn all_fields() -> Vec<Field> {
     pairs.map(|(library, form)| Field(configurations(library, form))).collect()
 }
 
-/// Indices of runs, the best first: the quickest of those that are accurate to a millimetre, or to a hundred times the
-/// error of the most accurate; then the other ones, then those that failed.
+/// Indices of runs, the best first: by cold times drag, of those that are accurate to a millimetre, or to a hundred times
+/// the error of the most accurate; then the other ones, then those that failed.
 pub fn best_first(runs: &[Option<Run>]) -> Vec<usize> {
     let least = runs.iter().flatten().map(|run| run.error).fold(f64::INFINITY, f64::min);
     let limit = NEGLIGIBLE.max(COMPARABLE * least);
-    let key = |k: usize| runs[k].map_or((2, f64::INFINITY), |run| (u8::from(run.error > limit), run.cold));
+    let key = |k: usize| {
+        runs[k].map_or((2, f64::INFINITY), |run| (u8::from(run.error > limit), run.cold * run.drag))
+    };
     let mut order: Vec<_> = (0..runs.len()).collect();
     order.sort_by(|&a, &b| key(a).0.cmp(&key(b).0).then(key(a).1.total_cmp(&key(b).1)));
     order
@@ -80,7 +87,7 @@ pub fn race(case: &Case, fields: &mut [Field], effort: Effort) -> Vec<Row> {
     let mut entrants: Vec<_> = ROUTES.iter().map(|route| entrant(Kind::Ours(*route), None, effort)).collect();
     entrants.iter_mut().for_each(|ours| _ = ours.run(case)); // warm-up
     for field in fields {
-        let kept = if effort.all { usize::MAX } else { 1 };
+        let kept = if effort.all { usize::MAX } else { FINALISTS };
         let tried = trials(case, field, effort.budget);
         let kept = tried.into_iter().take(kept);
         entrants.extend(kept.map(|(peer, run)| entrant(Kind::Peer(peer), run, effort)));
@@ -90,7 +97,7 @@ pub fn race(case: &Case, fields: &mut [Field], effort: Effort) -> Vec<Row> {
             entrant.runs.extend(entrant.run(case));
         }
     }
-    let mut rows: Vec<_> = entrants.iter().map(Entrant::row).collect();
+    let mut rows: Vec<_> = entrants.iter().map(|entrant| entrant.row(effort.statistic)).collect();
     mark_best(&mut rows);
     rows
 }
@@ -103,12 +110,12 @@ impl Entrant {
         }
     }
 
-    fn row(&self) -> Row {
+    fn row(&self, statistic: Statistic) -> Row {
         let (name, configuration) = match &self.kind {
             Kind::Ours(route) => (route.name().to_owned(), String::new()),
             Kind::Peer(c) => (format!("{}, {}", c.library.name(), form_name(c.form)), c.label.clone()),
         };
-        let run = (!self.runs.is_empty()).then(|| summary(&self.runs));
+        let run = (!self.runs.is_empty()).then(|| summary(&self.runs, statistic));
         Row { name, configuration, best: false, run, repeats: self.runs.len() }
     }
 }
