@@ -76,8 +76,8 @@ fn about() -> String {
     let machine = fs::read_to_string("/proc/cpuinfo").unwrap_or_default();
     let processor = machine.lines().find_map(|line| line.strip_prefix("model name")?.split_once(": "));
     let loaded = fs::read_to_string("/proc/self/maps").unwrap_or_default();
-    let blas =
-        loaded.lines().filter_map(|line| line.split_whitespace().last()).find(|file| file.contains("blas"));
+    let is_blas = |file: &&str| file.rsplit('/').next().is_some_and(|name| name.contains("blas"));
+    let blas = loaded.lines().filter_map(|line| line.split_whitespace().last()).find(is_blas);
     let processor = processor.map_or("unknown processor", |(_, name)| name);
     format!("{processor}, one thread; {}; BLAS: {}", versions(), blas.unwrap_or("none"))
 }

@@ -16,7 +16,7 @@ const NEGLIGIBLE: f64 = 1e-3;
 const COMPARABLE: f64 = 100.0;
 
 /// Configurations of each field that are measured, so that the noise of a single trial does not decide.
-const FINALISTS: usize = 2;
+const FINALISTS: usize = 3;
 
 /// How much is measured.
 #[derive(Clone, Copy, Debug, PartialEq)]
