@@ -2,11 +2,18 @@
 
 use crate::problem::{shape_problem, split_targets};
 use cotillion_solvers::workload::Workload;
-use cotillion_solvers::{Factor, KktError, KktForm, Workspace, analyse, c64};
+use cotillion_solvers::{
+    Bent, ChainRow, ChainSystem, ChainWorkspace, Compliance, ComplianceFactor, Factor, KktError, KktForm,
+    RowTargets, SpringPath, Workspace, analyse, c64, shape_rows,
+};
 
 /// Ways of ours to solve a workload.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Route {
+    /// Paths as springs, rows as unknowns: what the program uses.
+    Compliance,
+    /// Paths condensed by reflections to constrained samples.
+    Chain,
     /// All samples as unknowns, Hachtel form, complex sparse LU with refinement.
     Hachtel,
     /// All samples as unknowns, normal equations, complex sparse LU with refinement.
@@ -14,21 +21,16 @@ pub enum Route {
 }
 
 /// What is measured; ratios are to the first.
-pub const ROUTES: [Route; 2] = [Route::Hachtel, Route::NormalEquations];
+pub const ROUTES: [Route; 4] = [Route::Compliance, Route::Chain, Route::Hachtel, Route::NormalEquations];
 
 impl Route {
     /// For tables.
     pub fn name(self) -> &'static str {
         match self {
+            Self::Compliance => "ours: compliance",
+            Self::Chain => "ours: chain",
             Self::Hachtel => "ours: full, Hachtel form",
             Self::NormalEquations => "ours: full, normal equations",
-        }
-    }
-
-    fn form(self) -> KktForm {
-        match self {
-            Self::Hachtel => KktForm::Hachtel,
-            Self::NormalEquations => KktForm::NormalEquations,
         }
     }
 }
@@ -45,10 +47,14 @@ pub fn cold(route: Route, workload: &Workload) -> Result<Vec<Vec<c64>>, KktError
 
 /// What is kept while a handle is dragged.
 pub struct Drag {
-    factor: Factor<c64>,
-    workspace: Workspace<c64>,
-    x: Vec<c64>,
+    solver: Solver,
     paths: Vec<Vec<c64>>,
+}
+
+enum Solver {
+    Compliance(Box<(Compliance, ComplianceFactor, Bent)>),
+    Chain(Box<(ChainSystem, Factor<c64>, ChainWorkspace)>),
+    Full(Box<(Factor<c64>, Workspace<c64>, Vec<c64>)>),
 }
 
 impl Drag {
@@ -57,11 +63,13 @@ impl Drag {
     /// # Errors
     /// Those of the solver.
     pub fn new(route: Route, workload: &Workload) -> Result<Self, KktError> {
-        let problem = shape_problem(workload);
-        let factor = analyse(&problem, route.form())?.factor(&problem)?;
-        let workspace = factor.workspace();
-        let x = vec![c64::default(); problem.columns];
-        Ok(Self { factor, workspace, x, paths: workload.paths.clone() })
+        let solver = match route {
+            Route::Compliance => compliance(workload)?,
+            Route::Chain => chain(workload)?,
+            Route::Hachtel => full(workload, KktForm::Hachtel)?,
+            Route::NormalEquations => full(workload, KktForm::NormalEquations)?,
+        };
+        Ok(Self { solver, paths: workload.paths.clone() })
     }
 
     /// Edited paths for other targets, one for each of the workload's rows.
@@ -69,14 +77,55 @@ impl Drag {
     /// # Errors
     /// Those of the solver.
     pub fn step(&mut self, workload: &Workload, targets: &[c64]) -> Result<&[Vec<c64>], KktError> {
-        let (m, h) = split_targets(workload, targets);
-        self.factor.solve_into(&m, &h, &mut self.x, &mut self.workspace)?;
-        let mut rest = self.x.as_slice();
-        for path in &mut self.paths {
-            let (own, others) = rest.split_at(path.len());
-            path.copy_from_slice(own);
-            rest = others;
+        match &mut self.solver {
+            Solver::Compliance(solver) => {
+                let (problem, factor, bent) = &mut **solver;
+                bent.solve(problem, factor, targets)?;
+                for (path, points) in self.paths.iter_mut().enumerate() {
+                    bent.expand(problem, path, |j, x, _| points[j] = x);
+                }
+            }
+            Solver::Chain(solver) => {
+                let (system, factor, workspace) = &mut **solver;
+                system.solve_into(factor, targets, &[], workspace)?;
+                system.expand(workspace, &mut self.paths)?;
+            }
+            Solver::Full(solver) => {
+                let (factor, workspace, x) = &mut **solver;
+                let (m, h) = split_targets(workload, targets);
+                factor.solve_into(&m, &h, x, workspace)?;
+                let mut rest = x.as_slice();
+                for path in &mut self.paths {
+                    let (own, others) = rest.split_at(path.len());
+                    path.copy_from_slice(own);
+                    rest = others;
+                }
+            }
         }
         Ok(&self.paths)
     }
+}
+
+fn compliance(workload: &Workload) -> Result<Solver, KktError> {
+    let paths = workload.paths.iter().map(|path| SpringPath::of_shape(path.clone())).collect();
+    let problem = Compliance::new(paths, workload.rows.clone());
+    let factor = problem.analyse()?.factor(&problem)?;
+    let bent = Bent::new(&problem, &factor);
+    Ok(Solver::Compliance(Box::new((problem, factor, bent))))
+}
+
+fn chain(workload: &Workload) -> Result<Solver, KktError> {
+    let rows: Vec<Vec<ChainRow>> = workload.paths.iter().map(|path| shape_rows(path)).collect();
+    let system = ChainSystem::new(&rows, &workload.rows, RowTargets::Zero)?;
+    let factor = analyse(system.problem(), KktForm::Hachtel)?.factor(system.problem())?;
+    let workspace = system.workspace(&factor);
+    Ok(Solver::Chain(Box::new((system, factor, workspace))))
+}
+
+fn full(workload: &Workload, form: KktForm) -> Result<Solver, KktError> {
+    let problem = shape_problem(workload);
+    let factor = analyse(&problem, form)?.factor(&problem)?;
+    let workspace = factor.workspace();
+    let x = vec![c64::default(); problem.columns];
+    Ok(Solver::Full(Box::new((factor, workspace, x))))
 }
