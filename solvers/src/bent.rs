@@ -100,6 +100,11 @@ impl Bent {
         })
     }
 
+    /// Unknowns of the scaled system.
+    pub(crate) fn unknowns(&self) -> &[TwoPart<c64>] {
+        &self.unknowns
+    }
+
     /// Loads and states at all nodes from the unknowns; how far points moved, relative to the farthest.
     fn bend_nodes(&mut self, problem: &Compliance, compensated: bool) -> f64 {
         for ((lambda, unknown), scale) in self.lambda.iter_mut().zip(&self.unknowns).zip(&problem.scales) {

@@ -84,6 +84,7 @@ struct Plan {
 /// A factored problem.
 #[derive(Clone, Debug)]
 pub struct ComplianceFactor {
+    plan: Arc<Plan>,
     lu: RefinedLu<c64>,
 }
 
@@ -147,7 +148,9 @@ impl Compliance {
         }
         self.layout.similarities.push(next);
         self.layout.free = next;
-        self.free = free_combinations(&self.motions_seen(), self.rows.len());
+        let groups: Vec<usize> =
+            self.layout.similarities.iter().map(|start| start - self.rows.len()).collect();
+        self.free = free_combinations(&self.motions_seen(), &groups, self.rows.len());
         self.layout.size = next + self.free.len();
     }
 
@@ -245,7 +248,7 @@ impl ComplianceAnalysis {
         let values = plan.assembly.values(&problem.data);
         let lu =
             RefinedLu::new(&plan.assembly.pattern, &plan.order, values).map_err(|_| KktError::Singular)?;
-        Ok(ComplianceFactor { lu })
+        Ok(ComplianceFactor { plan: self.0.clone(), lu })
     }
 }
 
@@ -253,6 +256,17 @@ impl ComplianceFactor {
     /// The factored matrix.
     pub(crate) fn lu(&self) -> &RefinedLu<c64> {
         &self.lu
+    }
+
+    /// Column `index` of the inverse of the scaled matrix, refined.
+    pub(crate) fn inverse_column(&self, index: usize) -> Vec<c64> {
+        let pattern = &self.plan.assembly.pattern;
+        let mut unit = vec![c64::default(); pattern.size];
+        unit[index] = c64::new(1.0, 0.0);
+        let mut column = unit.clone();
+        let mut scratch = self.lu.scratch(pattern.size);
+        self.lu.solve(pattern, (&unit, &mut column), 0..pattern.size, &mut scratch);
+        column
     }
 }
 

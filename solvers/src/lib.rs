@@ -52,8 +52,10 @@ pub use quadratic::{BoundedQp, BoundedSolution};
 pub use rank::{Dependency, RankReport, analyse_rank};
 pub use scalar::{Scalar, TwoPart};
 pub use sparse::{RowMatrix, multiply};
+pub use splice::{MomentTree, Part, SplicedPath};
 pub use springs::{Load, Moments, SpringPath, State};
 pub use sprs::CsMat;
+pub use update::{Change, PathResponse, StepResponse};
 
 mod augmented;
 mod bent;
@@ -80,8 +82,10 @@ mod rank;
 mod refine;
 mod scalar;
 mod sparse;
+mod splice;
 mod springs;
 mod stretch;
+mod update;
 pub mod workload;
 
 /// Complex number of two `f64`.

@@ -194,6 +194,14 @@ impl Network {
         NetworkEnergy { springs, rows: 0.5 * squares.sum::<f64>() }
     }
 
+    /// Track and point of an unknown.
+    ///
+    /// # Panics
+    /// If there is no such unknown.
+    pub fn place(&self, unknown: usize) -> (usize, usize) {
+        (self.knots.starts.partition_point(|start| *start <= unknown) - 1, self.knots.points[unknown])
+    }
+
     /// How much longer than at rest the steps of a piece are.
     pub fn lengthening(&self, piece: &Piece, x: &[f64]) -> f64 {
         (x[piece.from + 1] - x[piece.from]) / piece.steps as f64

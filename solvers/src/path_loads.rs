@@ -8,7 +8,50 @@ use std::ops::Range;
 
 use crate::c64;
 use crate::scalar::TwoPart;
+use crate::splice::SplicedPath;
 use crate::springs::{Load, Moments, SpringPath, State};
+
+/// A chain of springs, as far as the compliance form sees it.
+pub(crate) trait Chain {
+    /// Rest point `q_j`.
+    fn point(&self, j: usize) -> c64;
+    /// Moments of the springs `from ≤ s < to`.
+    fn moments(&self, from: usize, to: usize) -> Moments;
+    /// Some centre of the rest points `range`, and how far they reach from it.
+    fn spread(&self, range: Range<usize>) -> (c64, f64);
+}
+
+impl Chain for SpringPath {
+    fn point(&self, j: usize) -> c64 {
+        Self::point(self, j)
+    }
+
+    fn moments(&self, from: usize, to: usize) -> Moments {
+        Self::moments(self, from, to)
+    }
+
+    fn spread(&self, range: Range<usize>) -> (c64, f64) {
+        Self::spread(self, range)
+    }
+}
+
+impl Chain for SplicedPath<'_> {
+    fn point(&self, j: usize) -> c64 {
+        Self::point(self, j)
+    }
+
+    fn moments(&self, from: usize, to: usize) -> Moments {
+        Self::moments(self, from, to)
+    }
+
+    /// About the first point, by the ends and the middle: what a path is measured by does not matter to its energy.
+    fn spread(&self, range: Range<usize>) -> (c64, f64) {
+        let centre = self.point(range.start);
+        let reach = |j: usize| (self.point(j) - centre).norm();
+        let farthest = reach(range.end - 1).max(reach((range.start + range.end) / 2));
+        (centre, farthest * (range.len() as f64).sqrt())
+    }
+}
 
 /// Rest points closer together than this, relative to their distance from the origin, have no extent.
 const COINCIDENT: f64 = 1e-9;
@@ -48,7 +91,7 @@ struct RowTerms {
 impl PathLoads {
     /// `own`: points of the piece; those before and after it are not its own, but rows may name the nearest of them.
     /// `terms`: row, point, coefficient; rows rise.
-    pub(crate) fn new(path: &SpringPath, own: Range<usize>, terms: &[(usize, usize, c64)]) -> Self {
+    pub(crate) fn new(path: &impl Chain, own: Range<usize>, terms: &[(usize, usize, c64)]) -> Self {
         let mut nodes: Vec<usize> = terms.iter().map(|(_, point, _)| *point).collect();
         nodes.sort_unstable();
         nodes.dedup();
@@ -156,6 +199,11 @@ impl PathLoads {
             && self.radius.is_finite()
             && self.covariances.iter().all(|(_, _, value)| value.is_finite())
             && self.seen.iter().all(|(_, _, value)| value.is_finite())
+    }
+
+    /// Rows on the piece.
+    pub(crate) fn rows(&self) -> impl Iterator<Item = usize> + '_ {
+        self.rows.iter().map(|row| row.row)
     }
 
     /// Similarities the path has: 2, or 1 without extent.
@@ -268,7 +316,7 @@ impl PathLoads {
 }
 
 /// Moments of the springs `from ≤ s < to` that the piece owns.
-fn own_moments(path: &SpringPath, own: &Range<usize>, from: usize, to: usize) -> Moments {
+fn own_moments(path: &impl Chain, own: &Range<usize>, from: usize, to: usize) -> Moments {
     if from >= own.start || from == to {
         return path.moments(from, to);
     }
@@ -277,7 +325,7 @@ fn own_moments(path: &SpringPath, own: &Range<usize>, from: usize, to: usize) ->
 }
 
 /// Centre of a piece's own points, and what its turns are measured by: see [`PathLoads::radius`].
-fn extent(path: &SpringPath, own: &Range<usize>, known: Range<usize>) -> (c64, f64) {
+fn extent(path: &impl Chain, own: &Range<usize>, known: Range<usize>) -> (c64, f64) {
     let (centre, spread) = path.spread(own.clone());
     let floor = COINCIDENT * (1.0 + centre.norm()) * (own.len() as f64).sqrt();
     if spread > floor {

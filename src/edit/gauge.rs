@@ -35,20 +35,20 @@ fn invisible_motions(path: &RestPath, phase: Phase, fixed_slope: bool) -> Vec<Ve
 /// as their sparse elimination is.
 pub fn rows(freedom: Freedom, held: &[PointRow<c64>]) -> Vec<Vec<Term>> {
     let mut motions: Vec<(usize, Vec<c64>)> = Vec::new();
-    let mut of_path: Vec<Vec<usize>> = vec![Vec::new(); freedom.paths.len()];
+    let mut groups = vec![0];
     for (index, path) in freedom.paths.iter().enumerate() {
         let fixed_slope = freedom.kept_runs(index).next().is_some() && freedom.runs == RunMode::Rigid;
         for motion in invisible_motions(path, freedom.phase, fixed_slope) {
-            of_path[index].push(motions.len());
             motions.push((index, motion));
         }
+        groups.push(motions.len());
     }
     let mut seen: Vec<Combination> = vec![Vec::new(); motions.len()];
     for (row, held) in held.iter().enumerate() {
         let length = held.terms.iter().map(|(_, _, factor)| factor.norm_sqr()).sum::<f64>().sqrt();
         for (path, frame, factor) in &held.terms {
-            for motion in &of_path[*path] {
-                seen[*motion].push((row, factor * motions[*motion].1[*frame] / length));
+            for motion in groups[*path]..groups[*path + 1] {
+                add(&mut seen[motion], row, factor * motions[motion].1[*frame] / length);
             }
         }
     }
@@ -56,8 +56,16 @@ pub fn rows(freedom: Freedom, held: &[PointRow<c64>]) -> Vec<Vec<Term>> {
         let (path, motion) = &motions[row];
         motion.iter().enumerate().map(move |(frame, value)| (*path, frame, (share * value).conj()))
     };
-    free_combinations(&seen, held.len())
+    free_combinations(&seen, &groups, held.len())
         .into_iter()
         .map(|combination| combination.into_iter().flat_map(on_frames).collect())
         .collect()
+}
+
+/// Adds what `row`, the last or the next, sees.
+fn add(seen: &mut Combination, row: usize, value: c64) {
+    match seen.last_mut() {
+        Some((last, sum)) if *last == row => *sum += value,
+        _ => seen.push((row, value)),
+    }
 }

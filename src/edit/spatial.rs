@@ -380,7 +380,7 @@ fn for_each_path(
     work: impl Fn((usize, (&mut Vec<c64>, &mut SegmentFactors))) + Sync,
 ) {
     if rests.iter().map(RestPath::len).sum::<usize>() > WORTH_THREADS {
-        points.par_iter_mut().zip(factors).enumerate().with_min_len(16).for_each(|path| work(path));
+        points.par_iter_mut().zip(factors).enumerate().with_min_len(16).for_each(&work);
     } else {
         points.iter_mut().zip(factors).enumerate().for_each(work);
     }

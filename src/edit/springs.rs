@@ -54,10 +54,8 @@ pub fn spring_path(freedom: Freedom, path: usize, settings: &SpatialSettings) ->
 fn shape_path(freedom: Freedom, path: usize, settings: &SpatialSettings) -> SpringPath {
     let rest = &freedom.paths[path];
     let mut compliances = vec![0.0; rest.len()];
-    for frame in 1..rest.len().saturating_sub(1) {
-        if let Some(spring) = shape_spring(rest, frame, settings) {
-            compliances[frame] = spring.stiffness.recip();
-        }
+    for (frame, compliance) in compliances.iter_mut().enumerate().skip(1).take(rest.len().saturating_sub(2)) {
+        *compliance = shape_spring(rest, frame, settings).map_or(0.0, |spring| spring.stiffness.recip());
     }
     for (run, (first, last)) in rest.rigid.iter().enumerate().filter(|(_, (a, b))| a < b) {
         let inside = &mut compliances[first + 1..*last];

@@ -3,8 +3,10 @@
 use cotillion::edit::{Backend, Edit, EditError, Editor};
 use cotillion::scene::Scene;
 
-/// Places of the two, metres.
+/// Places of the two, metres; where somebody is sent farther off than [`FAR`], as many digits of that.
 const PLACES: f64 = 1e-8;
+/// Farther than any stage, metres.
+const FAR: f64 = 100.0;
 /// Times of the two, seconds.
 const TIMES: f64 = 1e-9;
 /// Energies of the two: relative, and in Ê.
@@ -25,17 +27,18 @@ fn edit(scene: &Scene, backend: Backend) -> Result<Edit, EditError> {
     editor.solve().cloned()
 }
 
-/// Misses are rounded when they are told: the words must be the same.
+/// Numbers are rounded when they are told: the words must be the same, as those of notes.
 fn same_error(reduced: &EditError, direct: &EditError) -> Result<(), String> {
     let (reduced, direct) = (reduced.to_string(), direct.to_string());
     if reduced == direct { Ok(()) } else { Err(format!("reduced: {reduced}\ndirect: {direct}")) }
 }
 
 fn same_edit(reduced: &Edit, direct: &Edit) -> Result<(), String> {
+    let farthest = direct.characters.iter().flat_map(|c| &c.positions).map(|p| p.norm()).fold(FAR, f64::max);
     for (index, (own, other)) in reduced.characters.iter().zip(&direct.characters).enumerate() {
         for (frame, (p, q)) in own.positions.iter().zip(&other.positions).enumerate() {
             let apart = (p - q).norm();
-            if apart.is_nan() || apart > PLACES {
+            if apart.is_nan() || apart > PLACES * farthest / FAR {
                 return Err(format!("character {index} at frame {frame}: {p} or {q}, {apart:e} apart"));
             }
         }
@@ -51,7 +54,8 @@ fn same_edit(reduced: &Edit, direct: &Edit) -> Result<(), String> {
             return Err(format!("energies {:?} or {:?}", reduced.energy, direct.energy));
         }
     }
-    if reduced.notes == direct.notes {
+    let notes = |edit: &Edit| edit.notes.iter().map(ToString::to_string).collect::<Vec<_>>();
+    if notes(reduced) == notes(direct) {
         Ok(())
     } else {
         Err(format!("notes {:?} or {:?}", reduced.notes, direct.notes))

@@ -1,0 +1,227 @@
+//! What-ifs: the energy if one path, or one stretch of one track, were another, without solving again.
+//!
+//! A spliced path changes the entries of its own rows and of its similarity, nothing else. With `G` the inverse of the
+//! factored matrix on these few unknowns, `Δ` the change of its entries and `δ` that of its targets, the small update of
+//! Sherman, Morrison and Woodbury gives the new energy exactly,
+//!
+//! ```text
+//!     E′ = E + ½ Re( 2 δᴴu + δᴴGδ − vᴴ Δ (I + GΔ)⁻¹ v ),    v = u + Gδ,
+//! ```
+//!
+//! u: the present solution on the same unknowns. A candidate costs by the rows of its path and the logarithm of its points,
+//! whatever the size of the rest. The other paths may be as free as they like: `G` exists wherever the whole is regular.
+//!
+//! A stretch of a track is a spring of its own in a network: what the rest does to it is one number, the [`StepResponse`].
+//!
+//! Source: Hager, *Updating the inverse of a matrix*, SIAM Review 31 (1989).
+
+use nalgebra::{DMatrix, DVector};
+
+use crate::bent::Bent;
+use crate::c64;
+use crate::compliance::{Compliance, ComplianceFactor};
+use crate::error::KktError;
+use crate::kkt::{Factor, Workspace};
+use crate::network::Network;
+use crate::path_loads::PathLoads;
+use crate::splice::SplicedPath;
+
+/// The update is refused if its equations are missed by more than this, relative to the largest unknown.
+const ALLOWED_RESIDUAL: f64 = 1e-9;
+
+/// How a bent path answers to changes of itself: made once per factorisation, for any number of candidates and targets.
+#[derive(Clone, Debug)]
+pub struct PathResponse {
+    /// Rows given that touch the path, rising.
+    pub rows: Vec<usize>,
+    /// Unknowns of the system that the path has entries in: its rows, the rows of its cuts, its similarities.
+    border: Vec<usize>,
+    /// Position in `border` of the first similarity; two at least, the last of them may be spare.
+    similarities: usize,
+    /// Inverse on the border.
+    inverse: DMatrix<c64>,
+    /// Entries that the path has now.
+    present: DMatrix<c64>,
+}
+
+/// Another path in place of one, with the rows on it.
+#[derive(Clone, Debug)]
+pub struct Change<'a> {
+    /// The path.
+    pub path: &'a SplicedPath<'a>,
+    /// Terms on it, for each of [`PathResponse::rows`]: point, coefficient. Terms on other paths stay.
+    pub terms: Vec<Vec<(usize, c64)>>,
+    /// Targets of these rows.
+    pub targets: Vec<c64>,
+}
+
+impl PathResponse {
+    /// Responses of path `path`. Cost: one substitution for each of its rows and similarities.
+    pub fn new(problem: &Compliance, factor: &ComplianceFactor, path: usize) -> Self {
+        let pieces = problem.first_pieces[path]..problem.first_pieces[path + 1];
+        let mut rows: Vec<usize> = Vec::new();
+        problem.loads[pieces.clone()].iter().for_each(|loads| rows.extend(loads.rows()));
+        rows.sort_unstable();
+        rows.dedup();
+        let mut border = rows.clone();
+        rows.retain(|row| *row < problem.given);
+        let similarities = border.len();
+        let layout = &problem.layout.similarities;
+        border.extend(layout[pieces.start]..layout[pieces.end]);
+        let spare = (similarities + 2).saturating_sub(border.len());
+        let size = border.len() + spare;
+        let mut inverse = DMatrix::identity(size, size);
+        for (column, index) in border.iter().enumerate() {
+            let values = factor.inverse_column(*index);
+            border.iter().enumerate().for_each(|(row, other)| inverse[(row, column)] = values[*other]);
+        }
+        let mut response = Self { rows, border, similarities, inverse, present: DMatrix::zeros(size, size) };
+        for piece in pieces.clone() {
+            let first = layout[piece] - layout[pieces.start];
+            response.present += response.entries(problem, &problem.loads[piece], first);
+        }
+        for index in size - spare..size {
+            response.present[(index, index)] = c64::new(1.0, 0.0);
+        }
+        response
+    }
+
+    /// Entries of a path on the border, scaled as the system is; `first`: its first similarity.
+    fn entries(&self, problem: &Compliance, loads: &PathLoads, first: usize) -> DMatrix<c64> {
+        let mut entries = DMatrix::zeros(self.inverse.nrows(), self.inverse.ncols());
+        let place = |row: usize| self.border[..self.similarities].partition_point(|known| *known < row);
+        let scale = |row: usize| problem.scales[row];
+        loads.visit_covariances(|row, other, value| {
+            let value = value * (scale(row) * scale(other) / problem.unit);
+            let (row, column) = (place(row), place(other));
+            entries[(row, column)] += value;
+            if row != column {
+                entries[(column, row)] += value.conj();
+            }
+        });
+        loads.visit_similarities(|row, motion, value| {
+            let (row, column) = (place(row), self.similarities + first + motion);
+            let value = value * scale(self.border[row]);
+            entries[(row, column)] += value;
+            entries[(column, row)] += value.conj();
+        });
+        entries
+    }
+
+    /// Energy of springs and soft rows if the path were `change`, and all else as `bent` was solved for `targets`.
+    ///
+    /// # Errors
+    /// [`KktError::ShapeMismatch`] if terms or targets are not as many as rows; [`KktError::NotFinite`];
+    /// [`KktError::Singular`] if the change leaves something free or makes rows depend on each other.
+    ///
+    /// # Panics
+    /// If a term names a point that the path does not have.
+    pub fn energy(
+        &self,
+        problem: &Compliance,
+        (bent, targets): (&Bent, &[c64]),
+        change: &Change,
+    ) -> Result<f64, KktError> {
+        let expected = self.rows.len();
+        for actual in [change.terms.len(), change.targets.len()] {
+            if actual != expected {
+                return Err(KktError::ShapeMismatch { block: "change", side: "rows", expected, actual });
+            }
+        }
+        let difference = self.changed_entries(problem, change)? - &self.present;
+        let delta = self.changed_targets(problem, targets, change);
+        let unknowns = bent.unknowns();
+        let present = self.border.iter().map(|index| unknowns[*index].high);
+        let present = DVector::from_iterator(
+            self.inverse.nrows(),
+            present.chain([c64::default(); 2]).take(self.inverse.nrows()),
+        );
+        let forced = &self.inverse * &delta;
+        let moved = &present + &forced;
+        let system =
+            DMatrix::identity(self.inverse.nrows(), self.inverse.nrows()) + &self.inverse * &difference;
+        let solved = system.clone().lu().solve(&moved).ok_or(KktError::Singular)?;
+        let missed = (&system * &solved - &moved).norm();
+        if missed.is_nan() || missed > ALLOWED_RESIDUAL * moved.norm() {
+            return Err(KktError::Singular);
+        }
+        let gain =
+            2.0 * delta.dotc(&present).re + delta.dotc(&forced).re - moved.dotc(&(difference * solved)).re;
+        Ok(bent.spring_energy(problem) + bent.soft_energy(problem) + 0.5 * gain / problem.unit)
+    }
+
+    /// Entries of the changed path. Unknowns that it has no use for, as it is not cut, stand by themselves.
+    fn changed_entries(&self, problem: &Compliance, change: &Change) -> Result<DMatrix<c64>, KktError> {
+        let of_row = |(row, terms): (&usize, &Vec<(usize, c64)>)| {
+            terms.iter().map(|(point, value)| (*row, *point, *value)).collect::<Vec<_>>()
+        };
+        let terms: Vec<_> = self.rows.iter().zip(&change.terms).flat_map(of_row).collect();
+        let loads = PathLoads::new(change.path, 0..change.path.len(), &terms);
+        if !loads.is_finite() {
+            return Err(KktError::NotFinite { block: "q", row: 0 });
+        }
+        let mut entries = self.entries(problem, &loads, 0);
+        let used = self.similarities + loads.motions();
+        for index in (self.rows.len()..self.similarities).chain(used..entries.nrows()) {
+            entries[(index, index)] = c64::new(1.0, 0.0);
+        }
+        Ok(entries)
+    }
+
+    /// Change of the scaled targets.
+    fn changed_targets(&self, problem: &Compliance, targets: &[c64], change: &Change) -> DVector<c64> {
+        let mut delta = DVector::zeros(self.inverse.nrows());
+        for (place, (row, target)) in self.rows.iter().zip(&change.targets).enumerate() {
+            delta[place] = (target - targets[*row]) * problem.scales[*row];
+        }
+        delta
+    }
+}
+
+/// How a network answers to a change of the number of steps of one piece.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct StepResponse {
+    piece: usize,
+    /// Share of a stretch put into the piece that stays there; 1 where the rest gives way altogether.
+    share: f64,
+}
+
+impl StepResponse {
+    /// Response of `network.pieces[piece]`. Cost: one solve.
+    ///
+    /// # Errors
+    /// Those of a solve.
+    pub fn new(
+        network: &Network,
+        factor: &Factor<f64>,
+        piece: usize,
+        workspace: &mut Workspace<f64>,
+    ) -> Result<Self, KktError> {
+        let (mut m, h) = network.targets();
+        m[piece] = 1.0;
+        let mut x = vec![0.0; network.problem.columns];
+        factor.solve_into(&m, &h, &mut x, workspace)?;
+        let own = &network.pieces[piece];
+        let compliance = own.steps as f64 / own.weight;
+        let share = (x[own.from + 1] - x[own.from]) / compliance.sqrt();
+        Ok(Self { piece, share: share.clamp(0.0, 1.0) })
+    }
+
+    /// Energy of springs and soft rows if the piece had `steps` steps, at least 1, in place of its own; all times that rows
+    /// hold stay. `x`: delays of the present solution, `energy`: its energy. Exact while no bound on steps is reached.
+    pub fn energy(&self, network: &Network, (x, energy): (&[f64], f64), steps: usize) -> f64 {
+        let piece = &network.pieces[self.piece];
+        let rest = 1.0 - self.share;
+        // Where the rest gives way, the piece has the length it likes.
+        if rest < 1e-12 {
+            return energy;
+        }
+        let (present, changed) = (piece.steps as f64 / piece.weight, steps as f64 / piece.weight);
+        let stretch = (x[piece.from + 1] - x[piece.from]) / rest;
+        let wanted = stretch + (piece.steps as f64 - steps as f64) * network.step;
+        let worth = |stretch: f64, compliance: f64| {
+            0.5 * rest * stretch * stretch / (compliance * rest + present * self.share)
+        };
+        energy - worth(stretch, present) + worth(wanted, changed)
+    }
+}
