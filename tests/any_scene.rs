@@ -14,6 +14,12 @@ use proptest::prelude::*;
 use proptest::sample::select;
 use proptest::strategy::ValueTree;
 
+/// Hard constraints hold to this, metres and radians, …
+const HARD: f64 = 1e-8;
+/// … and to this share of the farthest place: the facing of a posed skeleton is rounded to some 1e-13, which shows at the far
+/// end of an offset.
+const ROUNDING: f64 = 1e-12;
+
 const MOMENTS: [&str; 7] = ["start", "end", "10", "12", "40", "41", "75"];
 const CLIPS: &str = "[clips]\nwalk = { builtin = \"walk\", stop = 1 }\nidle = \"builtin:idle\"\n\
                      run = { builtin = \"walk\", speed = 1.8, start = 1, seconds = 3.0 }\n\
@@ -139,13 +145,18 @@ fn perform(text: &str) -> Result<bool, TestCaseError> {
         prop_assert!(clip.rotations.iter().all(|q| q.is_finite()));
     }
     prop_assert!(edit.energy.total.is_finite());
+    let places = edit.characters.iter().flat_map(|character| &character.positions);
+    let farthest = places.map(|p| p.norm()).fold(0.0, f64::max);
     for constraint in report(editor.scene(), &edit, &resampled).constraints {
         prop_assert!(constraint.residual.is_finite());
         // In paper mode bodies turn with their tangents, which offsets between them do not follow exactly.
         if constraint.strength == "hard" && !text.contains("mode = \"paper\"") {
-            // Rounding of places up to 9e4 m away.
             for miss in [Some(constraint.residual), constraint.path_residual, constraint.facing_residual] {
-                prop_assert!(miss.unwrap_or(0.0) < 1e-8, "{} of {text}", constraint.name);
+                prop_assert!(
+                    miss.unwrap_or(0.0) < HARD + ROUNDING * farthest,
+                    "{} of {text}",
+                    constraint.name
+                );
             }
         }
     }

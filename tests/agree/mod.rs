@@ -3,7 +3,8 @@
 use cotillion::edit::{Backend, Edit, EditError, Editor};
 use cotillion::scene::Scene;
 
-/// Places of the two, metres; where somebody is sent farther off than [`FAR`], as many digits of that.
+/// Places of the two, metres. Where somebody is sent farther off than [`FAR`], rounding grows with the distance, and so
+/// does its lever, as an offset enters the rows in strides: both tolerances grow with the square.
 const PLACES: f64 = 1e-8;
 /// Farther than any stage, metres.
 const FAR: f64 = 100.0;
@@ -34,11 +35,12 @@ fn same_error(reduced: &EditError, direct: &EditError) -> Result<(), String> {
 }
 
 fn same_edit(reduced: &Edit, direct: &Edit) -> Result<(), String> {
-    let farthest = direct.characters.iter().flat_map(|c| &c.positions).map(|p| p.norm()).fold(FAR, f64::max);
+    let lever = direct.characters.iter().flat_map(|c| &c.positions).map(|p| p.norm()).fold(FAR, f64::max);
+    let lever = (lever / FAR).powi(2);
     for (index, (own, other)) in reduced.characters.iter().zip(&direct.characters).enumerate() {
         for (frame, (p, q)) in own.positions.iter().zip(&other.positions).enumerate() {
             let apart = (p - q).norm();
-            if apart.is_nan() || apart > PLACES * farthest / FAR {
+            if apart.is_nan() || apart > PLACES * lever {
                 return Err(format!("character {index} at frame {frame}: {p} or {q}, {apart:e} apart"));
             }
         }
@@ -50,7 +52,7 @@ fn same_edit(reduced: &Edit, direct: &Edit) -> Result<(), String> {
     }
     let terms = |edit: &Edit| [edit.energy.shape, edit.energy.scale, edit.energy.time];
     for (a, b) in terms(reduced).into_iter().zip(terms(direct)) {
-        if (a - b).is_nan() || (a - b).abs() > (ENERGIES.0 * b).max(ENERGIES.1) {
+        if (a - b).is_nan() || (a - b).abs() > (ENERGIES.0 * b).max(ENERGIES.1 * lever) {
             return Err(format!("energies {:?} or {:?}", reduced.energy, direct.energy));
         }
     }
