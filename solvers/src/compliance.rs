@@ -77,6 +77,7 @@ pub struct ComplianceAnalysis(Arc<Plan>);
 
 #[derive(Debug)]
 struct Plan {
+    positions: Vec<(usize, usize)>,
     assembly: Assembly,
     order: LuOrder,
 }
@@ -231,7 +232,7 @@ impl Compliance {
         check(self)?;
         let assembly = Assembly::new(self.layout.size, &self.positions);
         let order = LuOrder::new(&assembly.pattern).map_err(|_| KktError::Singular)?;
-        Ok(ComplianceAnalysis(Arc::new(Plan { assembly, order })))
+        Ok(ComplianceAnalysis(Arc::new(Plan { positions: self.positions.clone(), assembly, order })))
     }
 }
 
@@ -242,7 +243,7 @@ impl ComplianceAnalysis {
     /// [`KktError::PatternChanged`]; [`KktError::Singular`] if hard rows depend on each other.
     pub fn factor(&self, problem: &Compliance) -> Result<ComplianceFactor, KktError> {
         let plan = &*self.0;
-        if problem.layout.size != plan.assembly.pattern.size || !plan.assembly.takes(problem.data.len()) {
+        if problem.layout.size != plan.assembly.pattern.size || problem.positions != plan.positions {
             return Err(KktError::PatternChanged { block: "C" });
         }
         let values = plan.assembly.values(&problem.data);

@@ -1,10 +1,14 @@
-//! Numbers under a motion editor: sparse least squares with hard equality rows, ranks, bounds, difference networks.
+//! Numbers under a motion editor: sparse least squares with hard equality rows, exact reductions of paths and tracks,
+//! what-ifs, ranks, bounds, difference networks.
 //!
 //! # Which problem, which solver
 //!
 //! | problem | solver |
 //! |---|---|
 //! | `min ½‖M x − m‖²` s.t. `H x = h`, sparse, real or complex | [`analyse`], [`Analysis::factor`], [`Factor::solve_into`]: plan once per pattern, factor once per weights, solve for many targets. [`solve`] does all three |
+//! | paths that keep their shape, with rows on their points | [`Compliance`]: paths as chains of springs, one unknown a row and two a path, whatever the number of points; [`Bent`] solves and expands. The main route |
+//! | the same for any three-term rows | [`ChainSystem`]: chains condensed by reflections to the touched points; [`ChainTree`] for stretches and splices |
+//! | how the energy changes if one path, or the steps of one track, were others | [`PathResponse`], [`StepResponse`]: exact, by small updates; [`SplicedPath`] for what the path would be |
 //! | tracks of even steps with rows on their points | [`Network`]: condensed to the touched points, whatever the number of steps between; with bounds on steps, [`Network::solve_within`] |
 //! | which rows of `H` repeat or contradict others | [`analyse_rank`], before factoring: dependent rows make the factorisation fail |
 //! | `min ½xᵀGx − gᵀx` s.t. `A x = b`, `C x ≥ d`, dense, up to about a hundred unknowns | [`solve_bounded`] |

@@ -109,11 +109,6 @@ impl Assembly {
         Self { pattern: ColumnPattern { size, column_starts, row_indices }, slots }
     }
 
-    /// Whether this many data go in.
-    pub(crate) fn takes(&self, data: usize) -> bool {
-        self.slots.len() == data
-    }
-
     /// Stored values of the matrix made of `data`, in the order of the positions.
     pub(crate) fn values<T: Scalar>(&self, data: &[T]) -> Vec<T> {
         debug_assert_eq!(data.len(), self.slots.len(), "one datum per position");
