@@ -1,9 +1,10 @@
 //! Chains of many paths and paths of many points bend to their reference values by the compliance form.
 
 use cotillion_solvers::workload::{Workload, relay_chain};
-use cotillion_solvers::{
-    Bent, Compliance, LeastSquares, PointRow, RowMatrix, SpringPath, c64, shape_rows, solve,
-};
+use cotillion_solvers::{Bent, Compliance, PointRow, SpringPath, c64};
+use full::solve_full;
+
+mod full;
 
 /// Claimed for chains of up to 78 paths, metres.
 const SHORT_CHAIN: f64 = 1e-9;
@@ -27,30 +28,9 @@ fn bend(workload: &Workload) -> (Vec<Vec<c64>>, f64) {
     (points, report.energy)
 }
 
-/// By the augmented system of all points, refined.
+/// By the full system.
 fn refined(workload: &Workload) -> Vec<c64> {
-    let mut starts = vec![0];
-    for path in &workload.paths {
-        starts.push(starts[starts.len() - 1] + path.len());
-    }
-    let columns = workload.samples();
-    let (mut soft, mut hard) = (RowMatrix::new(columns), RowMatrix::new(columns));
-    let (mut m, mut h) = (Vec::new(), Vec::new());
-    for (path, start) in workload.paths.iter().zip(&starts) {
-        for (i, row) in shape_rows(path).iter().enumerate() {
-            soft.push_row(&[(start + i, row[0]), (start + i + 1, row[1]), (start + i + 2, row[2])]);
-            m.push(c64::default());
-        }
-    }
-    for (row, target) in workload.rows.iter().zip(&workload.targets) {
-        let root = row.weight.unwrap_or(1.0).sqrt();
-        let terms: Vec<_> = row.terms.iter().map(|(path, j, c)| (starts[*path] + j, c * root)).collect();
-        let (matrix, targets) = if row.weight.is_some() { (&mut soft, &mut m) } else { (&mut hard, &mut h) };
-        matrix.push_row(&terms);
-        targets.push(target * root);
-    }
-    let problem = LeastSquares { columns, soft: soft.to_csr(), hard: hard.to_csr() };
-    solve(&problem, &m, &h).expect("regular").x
+    solve_full(&workload.paths, &workload.rows, &workload.targets).x
 }
 
 fn assert_near(points: &[Vec<c64>], reference: &[c64], tolerance: f64) {

@@ -2,10 +2,13 @@
 //! scenes, random stretches of time.
 
 use cotillion_solvers::{
-    Bent, Change, Compliance, KktForm, Knots, LeastSquares, MomentTree, Network, Part, PathResponse,
-    PointRow, RowMatrix, SplicedPath, SpringPath, StepResponse, Track, analyse, c64, shape_rows, solve,
+    Bent, Change, Compliance, KktForm, Knots, MomentTree, Network, Part, PathResponse, PointRow, SplicedPath,
+    SpringPath, StepResponse, Track, analyse, c64,
 };
+use full::solve_full;
 use proptest::prelude::*;
+
+mod full;
 
 /// Energies, relative, or what Ê, 27 000 times as much, does not see.
 const ENERGIES: (f64, f64) = (1e-8, 1e-12 / 27_000.0);
@@ -55,34 +58,9 @@ fn tie(scene: &mut Scene, (a, i): (usize, usize), (b, j): (usize, usize)) {
     scene.targets.extend([c64::default(); 2]);
 }
 
-/// The minimum by the augmented system of all points.
+/// The minimum of the full system.
 fn full_energy(scene: &Scene) -> f64 {
-    let mut starts = vec![0];
-    for path in &scene.paths {
-        starts.push(starts[starts.len() - 1] + path.len());
-    }
-    let columns = starts[scene.paths.len()];
-    let (mut soft, mut hard) = (RowMatrix::new(columns), RowMatrix::new(columns));
-    let (mut m, mut h) = (Vec::new(), Vec::new());
-    for (path, start) in scene.paths.iter().zip(&starts) {
-        for (i, row) in shape_rows(path).iter().enumerate() {
-            soft.push_row(&[(start + i, row[0]), (start + i + 1, row[1]), (start + i + 2, row[2])]);
-            m.push(c64::default());
-        }
-    }
-    for (row, target) in scene.rows.iter().zip(&scene.targets) {
-        let root = row.weight.unwrap_or(1.0).sqrt();
-        let terms: Vec<_> = row.terms.iter().map(|(path, j, c)| (starts[*path] + j, c * root)).collect();
-        if row.weight.is_some() {
-            soft.push_row(&terms);
-            m.push(target * root);
-        } else {
-            hard.push_row(&terms);
-            h.push(*target);
-        }
-    }
-    let problem = LeastSquares { columns, soft: soft.to_csr(), hard: hard.to_csr() };
-    solve(&problem, &m, &h).expect("regular").report.energy
+    solve_full(&scene.paths, &scene.rows, &scene.targets).report.energy
 }
 
 /// Stretches of paths one after the other, each laid by the point before it onto the end of the one before, tangent on
