@@ -165,7 +165,9 @@ impl Compliance {
         let mut seen: Vec<Combination> = vec![Vec::new(); self.layout.free - first];
         for (loads, start) in self.loads.iter().zip(&self.layout.similarities) {
             loads.visit_similarities(|row, motion, value| {
-                seen[start - first + motion].push((row, value / lengths[row]));
+                if lengths[row] > 0.0 {
+                    seen[start - first + motion].push((row, value / lengths[row]));
+                }
             });
         }
         seen

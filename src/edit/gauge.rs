@@ -46,6 +46,9 @@ pub fn rows(freedom: Freedom, held: &[PointRow<c64>]) -> Vec<Vec<Term>> {
     let mut seen: Vec<Combination> = vec![Vec::new(); motions.len()];
     for (row, held) in held.iter().enumerate() {
         let length = held.terms.iter().map(|(_, _, factor)| factor.norm_sqr()).sum::<f64>().sqrt();
+        if length == 0.0 {
+            continue;
+        }
         for (path, frame, factor) in &held.terms {
             for motion in groups[*path]..groups[*path + 1] {
                 add(&mut seen[motion], row, factor * motions[motion].1[*frame] / length);
