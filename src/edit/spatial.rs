@@ -59,8 +59,6 @@ pub struct SpatialComponent {
     pub released: Runs,
     /// Paths after the shape phase.
     pub shaped: Vec<Vec<c64>>,
-    /// Segment factors of the shape phase.
-    pub factors: Vec<SegmentFactors>,
     /// Paths after the scale phase.
     pub edited: Vec<Vec<c64>>,
     /// Bodies on these.
@@ -79,8 +77,15 @@ pub struct SpatialComponent {
     scale: PhaseSolver,
     /// Systems with other stretches released than the present ones, with these stretches.
     others: Vec<(Runs, [PhaseSolver; 2])>,
-    /// Paths of rest segments, turned as in the shape phase, from the origin.
-    rescaled: Vec<Vec<c64>>,
+    turned: Vec<TurnedPath>,
+}
+
+/// A path of rest segments turned as in the shape phase.
+struct TurnedPath {
+    /// Segment factors of the shape phase; inside a kept stationary stretch, rotations are that of the stretch.
+    factors: SegmentFactors,
+    /// From the origin.
+    points: Vec<c64>,
 }
 
 /// Groups with more frames than this are worked on by all threads.
@@ -111,10 +116,9 @@ impl SpatialComponent {
         Self {
             shaped: rests.iter().map(|rest| rest.positions.clone()).collect(),
             edited: rests.iter().map(|rest| rest.positions.clone()).collect(),
-            rescaled: rests.iter().map(|rest| rest.positions.clone()).collect(),
+            turned: rests.iter().map(TurnedPath::new).collect(),
             bodies: rests.iter().map(|rest| Body::new(rest, settings.facing)).collect(),
             segments: rests.iter().map(RestPath::segments).collect(),
-            factors: vec![SegmentFactors::default(); rests.len()],
             rotations: vec![Rotations::NONE; held.len()],
             energy: SpatialEnergy::default(),
             released: Vec::new(),
@@ -277,59 +281,47 @@ impl SpatialComponent {
             return self.clash(&rows, miss).map(Some);
         }
         self.shape.solve().map_err(|error| SpatialError::Solver(Phase::Shape, error))?;
-        let (shape, segments) = (&self.shape, &self.segments);
-        let bend = |path: usize, shaped: &mut Vec<c64>, factors: &mut SegmentFactors| {
-            let (rest, translation) = (&rests[path].positions, translations[path].unwrap_or_default());
-            shape.points(path, |frame| rest[frame] + translation, shaped);
-            factors.update(&segments[path], shaped);
+        let (shape, segments, chords, released) = (&self.shape, &self.segments, &self.chords, &self.released);
+        let bend = |path: usize, shaped: &mut Vec<c64>, turned: &mut TurnedPath| {
+            let (rest, translation) = (&rests[path], translations[path].unwrap_or_default());
+            shape.points(path, |frame| rest.positions[frame] + translation, shaped);
+            let kept = |(run, _): &(usize, _)| released.binary_search(&(path, *run)).is_err();
+            let runs = rest.rigid.iter().zip(&chords[path]).enumerate().filter(kept);
+            turned.follow(&segments[path], shaped, runs.map(|(_, run)| run));
         };
-        for_each_path(rests, &mut self.shaped, &mut self.factors, bend);
+        for_each_path(rests, &mut self.shaped, &mut self.turned, bend);
         (self.energy.shape, self.energy.shape_soft) = self.shape.energies();
         Ok(None)
     }
 
     fn solve_scale(&mut self) -> Result<Option<Attempt>, SpatialError> {
-        let translations = self.rescale();
-        let (held, rotations, rescaled) = (&self.held, &self.rotations, &self.rescaled);
+        let translations = self.scale_translations();
+        let (held, rotations, turned) = (&self.held, &self.rotations, &self.turned);
         let relative = self.settings.relative;
         let value = |index: usize| held[index].target(Phase::Scale, relative, rotations[index]);
-        self.scale.set_targets(value, |path, frame| rescaled[path][frame] + translations[path]);
+        self.scale.set_targets(value, |path, frame| turned[path].points[frame] + translations[path]);
         if let Some((rows, miss)) = self.scale.contradiction() {
             return self.clash(&rows, miss).map(Some);
         }
         self.scale.solve().map_err(|error| SpatialError::Solver(Phase::Scale, error))?;
         hold_facings(held, rotations, &mut self.bodies);
-        let (scale, rests, factors) = (&self.scale, &self.rests, &self.factors);
+        let (scale, rests) = (&self.scale, &self.rests);
         let stretch = |path: usize, edited: &mut Vec<c64>, body: &mut Body| {
-            let (rescaled, translation) = (&rescaled[path], translations[path]);
-            scale.points(path, |frame| rescaled[frame] + translation, edited);
-            body.follow(&rests[path], edited, &factors[path]);
+            let (turned, translation) = (&turned[path], translations[path]);
+            scale.points(path, |frame| turned.points[frame] + translation, edited);
+            body.follow(&rests[path], edited, &turned.factors);
         };
         for_each_path(rests, &mut self.edited, &mut self.bodies, stretch);
         (self.energy.scale, self.energy.scale_soft) = self.scale.energies();
         Ok(None)
     }
 
-    /// Paths whose segments are those at rest, turned as in the shape phase; and what moves each where its constraints ask
-    /// for it; where none does, around the middle of the shaped path.
-    fn rescale(&mut self) -> Vec<c64> {
-        let (rests, shaped, chords, released) = (&self.rests, &self.shaped, &self.chords, &self.released);
-        let segments = &self.segments;
-        let turn = |path: usize, rescaled: &mut Vec<c64>, factors: &mut SegmentFactors| {
-            for (run, chord) in
-                chords[path].iter().enumerate().filter(|(run, _)| !released.contains(&(path, *run)))
-            {
-                let (first, last) = rests[path].rigid[run];
-                let rotation = run_rotation(chord, &shaped[path], &factors.rotations, first);
-                factors.rotations[first..last].fill(rotation);
-            }
-            turn_steps(&segments[path].steps, &factors.rotations, rescaled);
-        };
-        for_each_path(rests, &mut self.rescaled, &mut self.factors, turn);
-        let (rescaled, rotations) = (&self.rescaled, &self.rotations);
-        let path = |path: usize| rescaled[path].as_slice();
-        let asked = reference_translations(rests.len(), path, &self.held, |row| rotations[row]);
-        let to_middle = |path: usize| centre(&shaped[path]) - centre(&rescaled[path]);
+    /// What moves each turned path where its constraints ask for it; where none does, around the middle of the shaped one.
+    fn scale_translations(&self) -> Vec<c64> {
+        let (turned, rotations) = (&self.turned, &self.rotations);
+        let path = |path: usize| turned[path].points.as_slice();
+        let asked = reference_translations(turned.len(), path, &self.held, |row| rotations[row]);
+        let to_middle = |path: usize| centre(&self.shaped[path]) - centre(&turned[path].points);
         asked.into_iter().enumerate().map(|(path, asked)| asked.unwrap_or_else(|| to_middle(path))).collect()
     }
 
@@ -362,22 +354,39 @@ fn chords(rest: &RestPath) -> Vec<Direction> {
     rest.rigid.iter().map(|run| run_chord(rest, *run)).collect()
 }
 
+impl TurnedPath {
+    fn new(rest: &RestPath) -> Self {
+        Self { factors: SegmentFactors::default(), points: rest.positions.clone() }
+    }
+
+    /// Turns as `shaped` does. `runs`: kept stationary stretches and their longest chords.
+    fn follow<'a>(
+        &mut self,
+        rest: &RestSegments,
+        shaped: &[c64],
+        runs: impl Iterator<Item = (&'a (usize, usize), &'a Direction)>,
+    ) {
+        self.factors.update(rest, shaped);
+        let rotations = &mut self.factors.rotations;
+        for ((first, last), chord) in runs {
+            let rotation = run_rotation(chord, shaped, rotations, *first);
+            rotations[*first..*last].fill(rotation);
+        }
+        let mut point = c64::default();
+        self.points[0] = point;
+        for ((step, rotation), next) in rest.steps.iter().zip(rotations).zip(&mut self.points[1..]) {
+            point += step * *rotation;
+            *next = point;
+        }
+    }
+}
+
 /// Unit rotation of a stationary stretch in the shape phase; one without extent turns with its first step.
 fn run_rotation(chord: &Direction, shaped: &[c64], rotations: &[c64], first: usize) -> c64 {
     if chord.rest.norm() > 0.0 {
         return chord.rotation(shaped);
     }
     rotations.get(first).copied().unwrap_or(c64::new(1.0, 0.0))
-}
-
-/// The path of rest steps turned by `rotations`, from the origin.
-fn turn_steps(steps: &[c64], rotations: &[c64], path: &mut [c64]) {
-    let mut point = c64::default();
-    path[0] = point;
-    for ((step, rotation), next) in steps.iter().zip(rotations).zip(&mut path[1..]) {
-        point += step * rotation;
-        *next = point;
-    }
 }
 
 fn centre(points: &[c64]) -> c64 {
