@@ -36,8 +36,8 @@ pub struct PhaseSolver {
 }
 
 enum System {
-    Reduced(ReducedPhase),
-    Direct(DirectPhase),
+    Reduced(Box<ReducedPhase>),
+    Direct(Box<DirectPhase>),
 }
 
 impl PhaseSolver {
@@ -56,10 +56,12 @@ impl PhaseSolver {
         let kept: Vec<usize> = (0..rows.len()).filter(|row| redundant.binary_search(row).is_err()).collect();
         let kept_rows: Vec<PointRow<c64>> = kept.iter().map(|row| rows[*row].1.clone()).collect();
         let system = match backend {
-            Backend::Reduced => ReducedPhase::new(freedom, &kept_rows, settings).map(System::Reduced),
+            Backend::Reduced => {
+                ReducedPhase::new(freedom, &kept_rows, settings).map(Box::new).map(System::Reduced)
+            }
             Backend::Direct => None,
         };
-        let direct = || System::Direct(DirectPhase::new(freedom, &kept_rows, settings));
+        let direct = || System::Direct(Box::new(DirectPhase::new(freedom, &kept_rows, settings)));
         Self {
             system: system.unwrap_or_else(direct),
             deviations: vec![c64::default(); rows.len()],

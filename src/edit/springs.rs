@@ -54,9 +54,10 @@ pub fn spring_path(freedom: Freedom, path: usize, settings: &SpatialSettings) ->
 fn shape_path(freedom: Freedom, path: usize, settings: &SpatialSettings) -> SpringPath {
     let rest = &freedom.paths[path];
     let mut compliances = vec![0.0; rest.len()];
-    for frame in 1..rest.len().saturating_sub(1) {
+    let inner = rest.len().saturating_sub(1);
+    for (frame, compliance) in compliances[..inner].iter_mut().enumerate().skip(1) {
         if let Some(spring) = shape_spring(rest, frame, settings) {
-            compliances[frame] = spring.stiffness.recip();
+            *compliance = spring.stiffness.recip();
         }
     }
     for (run, (first, last)) in rest.rigid.iter().enumerate().filter(|(_, (a, b))| a < b) {
