@@ -75,6 +75,8 @@ impl Bent {
         targets: &[c64],
     ) -> Result<SolveReport, KktError> {
         check(problem, targets)?;
+        // How far points move is counted from zero, whatever was solved before.
+        self.states.fill(State::default());
         self.unknowns.fill(TwoPart::default());
         self.residual.fill(c64::default());
         self.residual.iter_mut().zip(targets).zip(&problem.scales).for_each(|((r, d), s)| *r = d * s);
