@@ -38,7 +38,10 @@ fn chain(characters: usize, frames: usize) -> Scene {
     load_text(&text, Path::new("bench.toml"), &ClipFolders::default()).expect("a sound scene").scene
 }
 
-fn sizes() -> [(&'static str, usize, usize, usize); 6] {
+/// Axis and parameter of a bench, characters, frames of each.
+type Size = (&'static str, usize, usize, usize);
+
+fn sizes() -> [Size; 8] {
     [
         ("frames", 200, 1, 200),
         ("frames", 1_000, 1, 1_000),
@@ -46,6 +49,8 @@ fn sizes() -> [(&'static str, usize, usize, usize); 6] {
         ("characters", 4, 4, 200),
         ("characters", 16, 16, 200),
         ("characters", 64, 64, 200),
+        ("characters", 256, 256, 200),
+        ("characters", 1_000, 1_000, 200),
     ]
 }
 
@@ -75,11 +80,12 @@ fn assemble_and_factor(criterion: &mut Criterion) {
     }
 }
 
-fn drag_update(criterion: &mut Criterion) {
-    let mut group = criterion.benchmark_group("drag_update");
+/// Drags the end of the first track.
+fn drag(criterion: &mut Criterion, group: &str, backend: Backend, sizes: &[Size]) {
+    let mut group = criterion.benchmark_group(group);
     group.sample_size(20);
-    for (axis, parameter, characters, frames) in sizes() {
-        let mut editor = Editor::new(chain(characters, frames)).expect("a regular scene");
+    for (axis, parameter, characters, frames) in sizes.iter().copied() {
+        let mut editor = Editor::assemble(chain(characters, frames), backend);
         let mut step = 0.0;
         group.throughput(Throughput::Elements((characters * frames) as u64));
         group.bench_function(BenchmarkId::new(axis, parameter), |b| {
@@ -92,6 +98,12 @@ fn drag_update(criterion: &mut Criterion) {
         });
     }
     group.finish();
+}
+
+fn drag_update(criterion: &mut Criterion) {
+    drag(criterion, "drag_update", Backend::Reduced, &sizes());
+    // The reference, where it does not take minutes.
+    drag(criterion, "drag_update_direct", Backend::Direct, &sizes()[..6]);
 }
 
 fn clips(criterion: &mut Criterion) {

@@ -2,10 +2,17 @@
 //!
 //! A path is one complex number a frame (`x − i z` of the root, metres). Source: Kim et al. 2009, §4.
 
-use std::f64::consts::FRAC_PI_2;
+use std::f64::consts::TAU;
 
 use crate::clip::working::WORKING_STEP;
-use crate::geometry::{c64, cis, lerp_angle, smoothstep, wrap};
+use crate::geometry::{c64, cis, lerp_angle, smoothstep};
+
+pub use tangents::{
+    Flip, SHORTEST_TANGENT, TangentTurning, TangentTurns, degenerate, raw_tangents, repair_tangents,
+    tangent_turns,
+};
+
+mod tangents;
 
 /// Slower than this a tangent says nothing about direction, m/s.
 pub const DEGENERATE_SPEED: f64 = 0.05;
@@ -13,10 +20,9 @@ pub const DEGENERATE_SPEED: f64 = 0.05;
 pub const COINCIDENT: f64 = 1e-9;
 /// Below this size a local similarity factor has collapsed and its angle is noise.
 const COLLAPSED: f64 = 1e-9;
-/// Tangents count for nothing below and for everything above these speeds, m/s ([`blended_turns`]).
-const BLEND_SPEEDS: (f64, f64) = (0.3, 0.6);
-/// Longest stretch of turned-over tangents that is taken for a flip, frames (half a second).
-const LONGEST_FLIP: usize = 15;
+/// Tangents shorter than the first, at .3 m/s, count for nothing, longer than the second, at .6 m/s, for everything, metres
+/// ([`blended_turns`]).
+const BLEND_TANGENTS: (f64, f64) = (0.6 * WORKING_STEP, 1.2 * WORKING_STEP);
 
 /// Rest path of one character: its track on the ground, before the edit.
 #[derive(Clone, Debug, PartialEq)]
@@ -50,6 +56,25 @@ impl RestPath {
         let (p, q) = (self.positions[a], self.positions[b]);
         (p - q).norm() <= COINCIDENT * (1.0 + p.norm())
     }
+
+    /// Its segments. Cost: linear in frames.
+    pub fn segments(&self) -> RestSegments {
+        let zero = c64::default();
+        let step =
+            |i: usize| if self.coincide(i, i + 1) { zero } else { self.positions[i + 1] - self.positions[i] };
+        let steps: Vec<c64> = (0..self.len().saturating_sub(1)).map(step).collect();
+        let inverses = steps.iter().map(|step| if *step == zero { zero } else { step.inv() }).collect();
+        RestSegments { steps, inverses }
+    }
+}
+
+/// Segments of a rest path, found once: every edit of the path needs them at every frame.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct RestSegments {
+    /// `v_i = q_{i+1} − q_i`, metres; 0 where both points are one.
+    pub steps: Vec<c64>,
+    /// `1/v_i`; 0 where both points are one.
+    pub inverses: Vec<c64>,
 }
 
 /// The two frames whose line shows the value at the fractional frame `frame` of `count`, and the share of the second.
@@ -73,54 +98,11 @@ pub fn at(points: &[c64], frame: f64) -> c64 {
 }
 
 /// Central tangent `p_{i+1} − p_{i−1}` at frame `i`, at the ends the doubled one-sided difference; 0 for a lone point.
+#[inline]
 pub fn tangent(points: &[c64], i: usize) -> c64 {
-    let last = points.len() - 1;
-    match i {
-        _ if last == 0 => c64::default(),
-        0 => 2.0 * (points[1] - points[0]),
-        i if i == last => 2.0 * (points[last] - points[last - 1]),
-        i => points[i + 1] - points[i - 1],
-    }
-}
-
-/// Central tangents of all frames; as they are, degenerate or not.
-pub fn raw_tangents(points: &[c64]) -> Vec<c64> {
-    (0..points.len()).map(|i| tangent(points, i)).collect()
-}
-
-/// Frames whose tangent is too short to have a direction: shorter than `2·h·v_ε`, [`DEGENERATE_SPEED`] by default.
-pub fn degenerate(tangents: &[c64], shortest: f64) -> Vec<bool> {
-    tangents.iter().map(|t| t.norm() < shortest).collect()
-}
-
-/// Shortest tangent that has a direction, metres.
-pub const SHORTEST_TANGENT: f64 = 2.0 * WORKING_STEP * DEGENERATE_SPEED;
-
-/// Replaces bad tangents by interpolation between their good neighbours; `fallback` is the angle where there is none.
-///
-/// Linear between the neighbours; where that comes out shorter than ten times `shortest`, the angle on the shorter arc.
-pub fn repair_tangents(tangents: &mut [c64], bad: &[bool], shortest: f64, fallback: f64) {
-    let good: Vec<usize> = (0..tangents.len()).filter(|i| !bad[*i]).collect();
-    let (Some(&first), Some(&last)) = (good.first(), good.last()) else {
-        tangents.fill(cis(fallback));
-        return;
-    };
-    let (before, after) = (tangents[first], tangents[last]);
-    tangents[..first].fill(before);
-    tangents[last + 1..].fill(after);
-    for pair in good.windows(2) {
-        let (l, r) = (pair[0], pair[1]);
-        let (from, to) = (tangents[l], tangents[r]);
-        for (k, tangent) in tangents[l + 1..r].iter_mut().enumerate() {
-            let s = (k + 1) as f64 / (r - l) as f64;
-            let blend = from * (1.0 - s) + to * s;
-            *tangent = if blend.norm() < 10.0 * shortest {
-                c64::from_polar(from.norm(), lerp_angle(from.arg(), to.arg(), s))
-            } else {
-                blend
-            };
-        }
-    }
+    let (before, after) = (i.saturating_sub(1), (i + 1).min(points.len() - 1));
+    let difference = points[after] - points[before];
+    if after - before == 1 { 2.0 * difference } else { difference }
 }
 
 /// Local similarity factors of the segments of a bent path and their unit rotations.
@@ -134,17 +116,16 @@ pub struct SegmentFactors {
 
 impl SegmentFactors {
     /// Fills both lists for `bent` against `rest`, reusing their storage. Source: Kim et al. 2009, eq. 7.
-    pub fn update(&mut self, rest: &[c64], bent: &[c64]) {
-        let segments = rest.len().saturating_sub(1);
+    pub fn update(&mut self, rest: &RestSegments, bent: &[c64]) {
+        let segments = bent.windows(2).zip(&rest.inverses);
         self.factors.clear();
+        self.factors.extend(segments.map(|(points, inverse)| (points[1] - points[0]) * inverse));
+        let unit = |z: &c64| {
+            let size_sq = z.norm_sqr();
+            if size_sq < COLLAPSED * COLLAPSED { c64::default() } else { z / size_sq.sqrt() }
+        };
         self.rotations.clear();
-        for i in 0..segments {
-            let step = rest[i + 1] - rest[i];
-            let sound = step.norm() > COINCIDENT * (1.0 + rest[i].norm());
-            let z = if sound { (bent[i + 1] - bent[i]) / step } else { c64::default() };
-            self.factors.push(z);
-            self.rotations.push(if z.norm() < COLLAPSED { c64::default() } else { z / z.norm() });
-        }
+        self.rotations.extend(self.factors.iter().map(unit));
         self.fill_gaps();
     }
 
@@ -184,17 +165,31 @@ impl SegmentFactors {
 /// `φ_i = arg z̃_i + w_i·wrap(arg(t̂_i/t_i) − arg z̃_i)`, `z̃_i = (z_{i−1} + z_i)/2`, w rising from 0 to 1 between .3 and .6 m/s.
 /// Identity and rigid motions give exactly their own turn. Fills `turns`, reusing its storage. Cost: linear in frames.
 pub fn blended_turns(rest: &[c64], edited: &[c64], factors: &SegmentFactors, turns: &mut Vec<f64>) {
-    turns.clear();
     let mut previous = 0.0;
-    for i in 0..rest.len() {
+    turns.clear();
+    turns.extend((0..rest.len()).map(|i| {
         let (before, after) = (tangent(rest, i), tangent(edited, i));
-        let smooth = mean_rotation(factors, i).arg();
-        let speed = before.norm().min(after.norm()) / (2.0 * WORKING_STEP);
-        let w = smoothstep((speed - BLEND_SPEEDS.0) / (BLEND_SPEEDS.1 - BLEND_SPEEDS.0));
-        let along = if w > 0.0 { wrap((after / before).arg() - smooth) } else { 0.0 };
-        let turn = smooth + w * along;
-        previous = if i == 0 { wrap(turn) } else { previous + wrap(turn - previous) };
-        turns.push(previous);
+        let along = after * before.conj();
+        let w = tangent_share(before.norm_sqr().min(after.norm_sqr()));
+        // Of an angle that counts for nothing, the arctangent is saved.
+        let turn = if w == 1.0 {
+            along.arg()
+        } else {
+            let smooth = mean_rotation(factors, i);
+            smooth.arg() + if w > 0.0 { w * (along * smooth.conj()).arg() } else { 0.0 }
+        };
+        previous = nearest_turn(turn, previous);
+        previous
+    }));
+}
+
+/// How much tangents count, the shorter of which has this squared length.
+fn tangent_share(length_sq: f64) -> f64 {
+    let (low, high) = BLEND_TANGENTS;
+    match length_sq {
+        l if l >= high * high => 1.0,
+        l if l <= low * low => 0.0,
+        l => smoothstep((l.sqrt() - low) / (high - low)),
     }
 }
 
@@ -206,112 +201,27 @@ fn mean_rotation(factors: &SegmentFactors, i: usize) -> c64 {
     }
     let (l, r) = (i.saturating_sub(1).min(segments - 1), i.min(segments - 1));
     let mean = 0.5 * (factors.factors[l] + factors.factors[r]);
-    if mean.norm() < COLLAPSED { factors.rotations[r] } else { mean }
+    if mean.norm_sqr() < COLLAPSED * COLLAPSED { factors.rotations[r] } else { mean }
 }
 
-/// A stretch of frames whose tangents were turned over by the edit.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Flip {
-    /// First frame whose direction was replaced (or jumps, where nothing could be done).
-    pub first: usize,
-    /// Last such frame.
-    pub last: usize,
-    /// Whether the directions were replaced by interpolation.
-    pub repaired: bool,
-}
-
-/// Turn φ of the body at each frame by tangents alone, flips repaired: the published method.
-#[derive(Clone, Debug, PartialEq)]
-pub struct TangentTurns {
-    /// Radians, unwrapped from frame to frame.
-    pub turns: Vec<f64>,
-    /// What was found turned over.
-    pub flips: Vec<Flip>,
-}
-
-/// Turns by tangents: heading = rest heading + the turn of the tangent, degenerate ones interpolated.
-///
-/// `fallback`: heading of the first frame, used where a path has no tangent at all. `threshold`: a change of φ larger than
-/// this between frames is a flip, radians (`π/2`). `shortest`: see [`SHORTEST_TANGENT`]. `pinned`: frames whose direction
-/// is held; no repair crosses them. Source: Kim et al. 2009, §4.1, extended from the singular point to the whole run.
-pub fn tangent_turns(
-    rest: &[c64],
-    edited: &[c64],
-    shortest: f64,
-    fallback: f64,
-    pinned: &[usize],
-) -> TangentTurns {
-    let mut before = raw_tangents(rest);
-    let bad_rest = degenerate(&before, shortest);
-    repair_tangents(&mut before, &bad_rest, shortest, fallback);
-    let raw_after = raw_tangents(edited);
-    let mut bad: Vec<bool> =
-        bad_rest.iter().zip(degenerate(&raw_after, shortest)).map(|(rest, edited)| *rest || edited).collect();
-    let turns_with = |bad: &[bool]| {
-        let mut after = raw_after.clone();
-        repair_tangents(&mut after, bad, shortest, fallback);
-        after.iter().zip(&before).map(|(a, b)| (a / b).arg()).collect::<Vec<f64>>()
-    };
-    let mut turns = turns_with(&bad);
-    let mut flips = find_flips(&turns);
-    for flip in &mut flips {
-        flip.repaired = !pinned.iter().any(|p| (flip.first..=flip.last).contains(p));
-        if flip.repaired {
-            bad[flip.first..=flip.last].fill(true);
-        }
-    }
-    if flips.iter().any(|flip| flip.repaired) {
-        turns = turns_with(&bad);
-        let left: Vec<Flip> =
-            find_flips(&turns).into_iter().map(|flip| Flip { repaired: false, ..flip }).collect();
-        flips.retain(|flip| flip.repaired);
-        flips.extend(left);
-    }
-    unwrap(&mut turns);
-    TangentTurns { turns, flips }
+/// Of the angles that differ from `angle` by whole turns, the one nearest to `other`, radians.
+fn nearest_turn(angle: f64, other: f64) -> f64 {
+    let turns = (other - angle) / TAU;
+    if turns.abs() <= 0.5 { angle } else { angle + TAU * turns.round() }
 }
 
 /// Adds whole turns so that no two neighbours are more than half a turn apart.
 pub fn unwrap(angles: &mut [f64]) {
     for i in 1..angles.len() {
-        angles[i] = angles[i - 1] + wrap(angles[i] - angles[i - 1]);
+        angles[i] = nearest_turn(angles[i], angles[i - 1]);
     }
-}
-
-/// Runs between two jumps that agree before and after, and lone jumps.
-fn find_flips(turns: &[f64]) -> Vec<Flip> {
-    let jumps: Vec<usize> = (1..turns.len())
-        .filter(|i| wrap(turns[*i] - turns[*i - 1]).abs() > FRAC_PI_2)
-        .map(|i| i - 1)
-        .collect();
-    let mut flips = Vec::new();
-    let mut k = 0;
-    while k < jumps.len() {
-        let start = jumps[k];
-        let closing = jumps[k + 1..].iter().position(|end| {
-            end - start <= LONGEST_FLIP && wrap(turns[end + 1] - turns[start]).abs() <= FRAC_PI_2
-        });
-        match closing {
-            Some(offset) => {
-                flips.push(Flip { first: start + 1, last: jumps[k + 1 + offset], repaired: false });
-                k += offset + 2;
-            }
-            None => {
-                flips.push(Flip { first: start, last: start + 1, repaired: false });
-                k += 1;
-            }
-        }
-    }
-    flips
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::geometry::wrap;
     use proptest::prelude::*;
-
-    /// The reference numbers are printed to six digits.
-    const PRINTED: f64 = 1e-6;
 
     fn stop_and_turn() -> (Vec<c64>, Vec<f64>) {
         let line = [0.0, 0.1, 0.2, 0.2, 0.2, 0.2, 0.2];
@@ -321,43 +231,16 @@ mod tests {
         (path, headings)
     }
 
-    #[test]
-    fn degenerate_tangents_are_interpolated_as_in_the_reference() {
-        let (path, headings) = stop_and_turn();
-        let mut tangents = raw_tangents(&path);
-        let bad = degenerate(&tangents, 1e-3);
-        assert_eq!((0..9).filter(|i| bad[*i]).collect::<Vec<_>>(), vec![3, 4, 5]);
-        repair_tangents(&mut tangents, &bad, 1e-3, headings[0]);
-        let expected = [(0.1, 0.0), (0.075, 0.025), (0.05, 0.05), (0.025, 0.075), (0.0, 0.1)];
-        for (t, (x, y)) in tangents[2..=6].iter().zip(expected) {
-            assert!((t - c64::new(x, y)).norm() < 1e-15);
-        }
-        let theta = [0.0, 0.175, 0.35, 0.203249, -0.085398, -0.374046, -0.520796, -0.345796, -0.170796];
-        for i in 0..9 {
-            assert!((wrap(headings[i] - tangents[i].arg()) - theta[i]).abs() < PRINTED, "frame {i}");
-        }
-    }
-
-    #[test]
-    fn a_rigid_motion_turns_every_heading_by_itself() {
-        let (path, _) = stop_and_turn();
-        let moved: Vec<c64> = path.iter().map(|p| cis(0.5) * p + 1.0).collect();
-        let turns = tangent_turns(&path, &moved, 1e-3, 0.0, &[]);
-        assert!(turns.flips.is_empty());
-        for turn in turns.turns {
-            assert!((turn - 0.5).abs() < 1e-15);
-        }
-    }
-
     proptest! {
         #[test]
         fn blended_turns_of_a_rigid_motion_are_its_turn(angle in -3.0..3.0_f64, x in -4.0..4.0_f64) {
             let (path, _) = stop_and_turn();
             let moved: Vec<c64> = path.iter().map(|p| cis(angle) * p + x).collect();
             let mut factors = SegmentFactors::default();
-            factors.update(&path, &moved);
+            let rest = RestPath { headings: vec![0.0; path.len()], positions: path, rigid: Vec::new() };
+            factors.update(&rest.segments(), &moved);
             let mut turns = Vec::new();
-            blended_turns(&path, &moved, &factors, &mut turns);
+            blended_turns(&rest.positions, &moved, &factors, &mut turns);
             for turn in turns {
                 prop_assert!(wrap(turn - angle).abs() < 1e-12);
             }

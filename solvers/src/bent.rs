@@ -32,6 +32,8 @@ pub struct Bent {
     starts: Vec<usize>,
     loads: Vec<Load>,
     states: Vec<State>,
+    /// Forces on the nodes of one piece.
+    forces: Vec<TwoPart<c64>>,
     /// State of the first point that each piece knows.
     origins: Vec<State>,
     scratch: LuScratch,
@@ -46,6 +48,7 @@ impl Bent {
             Some(*next)
         }));
         let nodes = starts[problem.loads.len()];
+        let most = problem.loads.iter().map(|loads| loads.nodes.len()).max().unwrap_or(0);
         Self {
             lambda: vec![TwoPart::default(); problem.rows.len()],
             unknowns: vec![TwoPart::default(); problem.layout.size],
@@ -54,6 +57,7 @@ impl Bent {
             starts,
             loads: vec![Load::default(); nodes],
             states: vec![State::default(); nodes],
+            forces: vec![TwoPart::default(); most],
             origins: vec![State::default(); problem.loads.len()],
             scratch: factor.lu().lu_scratch(),
         }
@@ -71,6 +75,8 @@ impl Bent {
         targets: &[c64],
     ) -> Result<SolveReport, KktError> {
         check(problem, targets)?;
+        // How far points move is counted from zero, whatever was solved before.
+        self.states.fill(State::default());
         self.unknowns.fill(TwoPart::default());
         self.residual.fill(c64::default());
         self.residual.iter_mut().zip(targets).zip(&problem.scales).for_each(|((r, d), s)| *r = d * s);
@@ -114,7 +120,8 @@ impl Bent {
         for (piece, loads) in problem.loads.iter().enumerate() {
             let nodes = self.starts[piece]..self.starts[piece + 1];
             if compensated {
-                loads.compensated_loads_under(&self.lambda, &mut self.loads[nodes.clone()]);
+                let forces = &mut self.forces[..nodes.len()];
+                loads.compensated_loads_under(&self.lambda, forces, &mut self.loads[nodes.clone()]);
             } else {
                 loads.loads_under(&self.lambda, &mut self.loads[nodes.clone()]);
             }

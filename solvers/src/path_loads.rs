@@ -246,9 +246,14 @@ impl PathLoads {
         }
     }
 
-    /// The same, summed to about 32 digits.
-    pub(crate) fn compensated_loads_under(&self, lambda: &[TwoPart<c64>], loads: &mut [Load]) {
-        let mut mu = vec![TwoPart::<c64>::default(); loads.len()];
+    /// The same, summed to about 32 digits. `mu`: memory, as long as `loads`.
+    pub(crate) fn compensated_loads_under(
+        &self,
+        lambda: &[TwoPart<c64>],
+        mu: &mut [TwoPart<c64>],
+        loads: &mut [Load],
+    ) {
+        mu.fill(TwoPart::default());
         for row in &self.rows {
             for (node, value) in &self.terms[row.terms.clone()] {
                 mu[*node].add_scaled(lambda[row.row], value.conj());

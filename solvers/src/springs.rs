@@ -202,9 +202,9 @@ impl SpringPath {
         match self {
             Self::Listed { points, compliances } => {
                 let mut sum = Moments::default();
-                for s in from..to {
-                    let step = points[s + 1] - points[s];
-                    let zeroth = sum.zeroth + compliances[s];
+                for (pair, compliance) in points[from..=to].windows(2).zip(&compliances[from..to]) {
+                    let step = pair[1] - pair[0];
+                    let zeroth = sum.zeroth + compliance;
                     let turn = sum.first * step.conj();
                     sum.first += zeroth * step;
                     sum.second += 2.0 * turn.re + zeroth * step.norm_sqr();
@@ -236,14 +236,16 @@ impl SpringPath {
         let Load { force, moment } = load;
         match self {
             Self::Listed { points, compliances } => {
-                let tip = points[range.end.min(points.len() - 1)];
-                for s in range {
-                    let q = points[s];
-                    factor += compliances[s] * (force * (tip - q).conj() + moment);
+                let last = range.end.min(points.len() - 1);
+                let (tip, springs) = (points[last], range.start..last);
+                let pairs = points[range.start..=last].windows(2);
+                for ((s, pair), compliance) in springs.clone().zip(pairs).zip(&compliances[springs]) {
+                    factor += compliance * (force * (tip - pair[0]).conj() + moment);
                     visit(s, point, factor);
-                    if let Some(next) = points.get(s + 1) {
-                        point += factor * (next - q);
-                    }
+                    point += factor * (pair[1] - pair[0]);
+                }
+                if range.end > last {
+                    visit(last, point, factor);
                 }
             }
             Self::Even { .. } => {

@@ -53,10 +53,10 @@ pub fn touched_runs(rests: &[RestPath], rows: &[&Prepared]) -> Vec<(usize, usize
 /// Whether rows would contradict each other even if every frame were free: two targets for one instant.
 pub fn is_irreducible(rests: &[RestPath], rows: &[&Prepared], relative: RelativeMode) -> bool {
     let counts: Vec<usize> = rests.iter().map(RestPath::len).collect();
-    let free: Vec<RestPath> =
-        rests.iter().map(|rest| RestPath { rigid: Vec::new(), ..rest.clone() }).collect();
+    let runs = |path: usize| (0..rests[path].rigid.len()).map(move |run| (path, run));
+    let released: Vec<(usize, usize)> = (0..rests.len()).flat_map(runs).collect();
     let terms: Vec<_> = rows.iter().map(|prepared| prepared.terms(Phase::Shape, relative, &counts)).collect();
-    let freedom = Freedom { paths: &free, phase: Phase::Scale, runs: RunMode::Similar, released: &[] };
+    let freedom = Freedom { paths: rests, phase: Phase::Scale, runs: RunMode::Similar, released: &released };
     let columns = Columns::touched(freedom, terms.iter().map(Vec::as_slice));
     let mut matrix = RowMatrix::new(columns.count);
     for own in &terms {

@@ -46,7 +46,8 @@ pub struct Freedom<'a> {
 impl<'a> Freedom<'a> {
     /// Stationary stretches of a path that are kept, first and last frame.
     pub fn kept_runs(self, path: usize) -> impl Iterator<Item = (usize, usize)> + 'a {
-        let kept = move |(run, _): &(usize, &(usize, usize))| !self.released.contains(&(path, *run));
+        let kept =
+            move |(run, _): &(usize, &(usize, usize))| self.released.binary_search(&(path, *run)).is_err();
         self.paths[path].rigid.iter().enumerate().filter(kept).map(|(_, run)| *run)
     }
 }

@@ -1,16 +1,18 @@
 //! The editor: built once per set of constraints, solved many times while targets move.
 
+use std::ops::Range;
+
 use rayon::prelude::*;
 
-use crate::constraint::{ConstraintKind, Relation};
+use crate::constraint::{Constraint, ConstraintKind, Relation};
 use crate::edit::energy::{Energy, Extent, length};
 use crate::edit::error::{EditError, Named};
 use crate::edit::expand::{expand, retarget};
-use crate::edit::facing::{Turns, held_facings};
-use crate::edit::groups::{Group, spatial_groups, temporal_groups};
+use crate::edit::facing::Turns;
+use crate::edit::groups::{Group, for_each_stale, spatial_groups, temporal_groups};
 use crate::edit::hold::Phase;
 use crate::edit::note::EditNote;
-use crate::edit::settings::{Backend, FacingMode, SpatialSettings};
+use crate::edit::settings::{Backend, SpatialSettings};
 use crate::edit::spatial::{SpatialComponent, SpatialError};
 use crate::edit::temporal::{TemporalComponent, TemporalError};
 use crate::edit::time_row::StepBounds;
@@ -70,13 +72,14 @@ pub struct Edit {
 /// substitutions and passes over the frames.
 pub struct Editor {
     scene: Scene,
-    settings: SpatialSettings,
     edit: Edit,
+    /// Of each character.
+    extents: Vec<Extent>,
     spatial: Vec<Group<SpatialComponent>>,
     temporal: Vec<Group<TemporalComponent>>,
-    /// Component and place in it of each spatial row.
+    /// Component and place in it of each spatial row, in the order of constraints.
     held: Vec<(usize, usize)>,
-    /// Component and place in it of each temporal row.
+    /// Component and place in it of each temporal row, in the order of constraints.
     times: Vec<(usize, usize)>,
 }
 
@@ -107,7 +110,8 @@ impl Editor {
             rest,
         });
         let edit = Edit { characters: characters.collect(), energy: Energy::default(), notes: Vec::new() };
-        Self { scene, settings, edit, spatial, temporal, held, times }
+        let extents = edit.characters.iter().map(extent).collect();
+        Self { scene, edit, extents, spatial, temporal, held, times }
     }
 
     /// The second half of [`Editor::new`]; [`Editor::solve`] does it where it was not done.
@@ -115,15 +119,13 @@ impl Editor {
     /// # Errors
     /// [`EditError::Solver`] where a system cannot be factored.
     pub fn factor(&mut self) -> Result<(), EditError> {
-        let spatial: Vec<_> = self.spatial.par_iter_mut().map(|group| group.component.factor()).collect();
-        for (group, result) in self.spatial.iter().zip(spatial) {
-            result.map_err(|error| space_error(&self.scene, &group.characters, error))?;
-        }
-        let temporal: Vec<_> = self.temporal.par_iter_mut().map(|group| group.component.factor()).collect();
-        for (group, result) in self.temporal.iter().zip(temporal) {
-            result.map_err(|error| time_error(&self.scene, &group.characters, error))?;
-        }
-        Ok(())
+        let scene = &self.scene;
+        for_each_stale(&mut self.spatial, |group| {
+            group.component.factor().map_err(|error| space_error(scene, &group.characters, error))
+        })?;
+        for_each_stale(&mut self.temporal, |group| {
+            group.component.factor().map_err(|error| time_error(scene, &group.characters, error))
+        })
     }
 
     /// The scene, with its targets as they are now.
@@ -143,13 +145,13 @@ impl Editor {
     /// [`EditError::NotFinite`], or [`EditError::NoSuchTarget`] where the constraint holds nothing of that kind.
     pub fn move_target(&mut self, constraint: ConstraintId, target: Target) -> Result<(), EditError> {
         let entry = &mut self.scene.constraints[constraint.as_usize()];
-        let named = Named { name: entry.name.clone(), line: entry.line };
+        let named = |entry: &Constraint| Named { name: entry.name.clone(), line: entry.line };
         let finite = match target {
             Target::Position(point) | Target::Offset(point) => point.is_finite(),
             Target::Facing(value) | Target::Seconds(value) => value.is_finite(),
         };
         if !finite {
-            return Err(EditError::NotFinite(named));
+            return Err(EditError::NotFinite(named(entry)));
         }
         match (&mut entry.kind, target) {
             (ConstraintKind::Pin { position: Some(position), .. }, Target::Position(point)) => {
@@ -168,7 +170,7 @@ impl Editor {
                 | ConstraintKind::Sync { offset: seconds, .. },
                 Target::Seconds(value),
             ) => *seconds = value,
-            (_, target) => return Err(EditError::NoSuchTarget(named, target.name())),
+            (_, target) => return Err(EditError::NoSuchTarget(named(entry), target.name())),
         }
         self.retarget(constraint, target);
         Ok(())
@@ -176,96 +178,63 @@ impl Editor {
 
     fn retarget(&mut self, constraint: ConstraintId, target: Target) {
         let kind = &self.scene.constraints[constraint.as_usize()].kind;
-        let mut stale = Vec::new();
-        for (group, row) in &self.held {
-            let held = &mut self.spatial[*group].component.held[*row].row;
-            if held.constraint == constraint && retarget(held, kind, &self.scene.objects) {
-                stale.push(*group);
+        let of_row = |(group, row): (usize, usize)| self.spatial[group].component.held[row].row.constraint;
+        let mut changed = Vec::new();
+        for (group, row) in self.held[rows_of(constraint, &self.held, of_row)].iter().copied() {
+            let Group { component, stale, .. } = &mut self.spatial[group];
+            *stale = true;
+            if retarget(&mut component.held[row].row, kind, &self.scene.objects) {
+                changed.push(group);
             }
         }
-        stale.dedup();
-        stale.into_iter().for_each(|group| self.spatial[group].component.reassemble());
-        if let Target::Seconds(seconds) = target {
-            for (group, row) in &self.times {
-                let row = &mut self.temporal[*group].component.rows[*row];
-                if row.constraint == constraint {
-                    row.seconds = seconds;
-                }
-            }
+        changed.dedup();
+        changed.into_iter().for_each(|group| self.spatial[group].component.reassemble());
+        let Target::Seconds(seconds) = target else { return };
+        let of_row = |(group, row): (usize, usize)| self.temporal[group].component.rows[row].constraint;
+        for (group, row) in self.times[rows_of(constraint, &self.times, of_row)].iter().copied() {
+            let Group { component, stale, .. } = &mut self.temporal[group];
+            *stale = true;
+            component.rows[row].seconds = seconds;
         }
     }
 
-    /// Solves times, then paths, for the present targets. Cost: linear in frames.
+    /// Solves times, then paths, for the present targets; those of connected characters none of whose targets moved stay
+    /// as they are. Cost: linear in frames of the others; in characters.
     ///
     /// # Errors
     /// Contradicting hard constraints, hard times that the bounds do not allow, or a solver that gives up; then
     /// [`Editor::edit`] is still the result of the last solve that succeeded.
     pub fn solve(&mut self) -> Result<&Edit, EditError> {
-        self.solve_times()?;
-        self.solve_paths()?;
+        let scene = &self.scene;
+        for_each_stale(&mut self.temporal, |group| solve_times(scene, group))?;
+        for_each_stale(&mut self.spatial, |group| {
+            group.component.solve().map_err(|error| space_error(scene, &group.characters, error))
+        })?;
         self.take_results();
-        self.update_turns();
         self.update_energy();
         self.edit.notes = self.notes();
         Ok(&self.edit)
     }
 
-    fn solve_times(&mut self) -> Result<(), EditError> {
-        let results: Vec<Result<(), TemporalError>> =
-            self.temporal.par_iter_mut().map(|group| group.component.solve()).collect();
-        for (group, result) in self.temporal.iter().zip(results) {
-            result.map_err(|error| time_error(&self.scene, &group.characters, error))?;
-            for (times, character) in group.component.times.iter().zip(&group.characters) {
-                if let Some(frame) = times.windows(2).position(|pair| pair[1] <= pair[0]) {
-                    let character = self.scene.characters[*character].name.clone();
-                    return Err(EditError::BackwardTime { character, frame });
-                }
-            }
-        }
-        Ok(())
-    }
-
-    fn solve_paths(&mut self) -> Result<(), EditError> {
-        let results: Vec<Result<(), SpatialError>> =
-            self.spatial.par_iter_mut().map(|group| group.component.solve()).collect();
-        for (group, result) in self.spatial.iter().zip(results) {
-            result.map_err(|error| space_error(&self.scene, &group.characters, error))?;
-        }
-        Ok(())
-    }
-
-    /// Copies times and paths, once all are solved.
+    /// Exchanges stale results for those of their components, once all are solved.
     fn take_results(&mut self) {
-        for group in &self.temporal {
-            for (times, character) in group.component.times.iter().zip(&group.characters) {
-                self.edit.characters[*character].times.clone_from(times);
+        for group in self.temporal.iter_mut().filter(|group| group.stale) {
+            for (times, character) in group.component.times.iter_mut().zip(&group.characters) {
+                std::mem::swap(&mut self.edit.characters[*character].times, times);
+                let times = &self.edit.characters[*character].times;
+                self.extents[*character].seconds.1 = times[times.len() - 1] - times[0];
             }
+            group.stale = false;
         }
-        for group in &self.spatial {
-            for (edited, character) in group.component.edited.iter().zip(&group.characters) {
-                self.edit.characters[*character].positions.clone_from(edited);
+        for group in self.spatial.iter_mut().filter(|group| group.stale) {
+            let SpatialComponent { edited, bodies, .. } = &mut group.component;
+            for ((edited, body), character) in edited.iter_mut().zip(bodies).zip(&group.characters) {
+                let own = &mut self.edit.characters[*character];
+                std::mem::swap(&mut own.positions, edited);
+                std::mem::swap(&mut own.turns, &mut body.turns);
+                self.extents[*character].length.1 = body.length;
             }
-        }
-    }
-
-    /// Turns of all bodies, and in the blended mode what held facings still need.
-    fn update_turns(&mut self) {
-        for group in &self.spatial {
-            let component = &group.component;
-            let facings = held_facings(component);
-            for (path, (character, held)) in group.characters.iter().zip(facings).enumerate() {
-                let edited = &mut self.edit.characters[*character];
-                edited.turns.update(
-                    &component.rests[path],
-                    &component.edited[path],
-                    &component.factors[path],
-                    self.settings.facing,
-                    &held.pinned,
-                );
-                if self.settings.facing == FacingMode::TangentBlend {
-                    edited.turns.correct(held.turns);
-                }
-            }
+            group.stale = false;
         }
     }
 
@@ -279,8 +248,7 @@ impl Editor {
         for group in &self.temporal {
             sums.2 += group.component.energy.0 + group.component.energy.1;
         }
-        let extents: Vec<Extent> = self.edit.characters.iter().map(extent).collect();
-        self.edit.energy = Energy::new(sums.0, sums.1, sums.2, &extents, self.scene.mode);
+        self.edit.energy = Energy::new(sums.0, sums.1, sums.2, &self.extents, self.scene.mode);
     }
 }
 
@@ -310,7 +278,7 @@ impl Editor {
                 frames: (flip.first, flip.last),
                 repaired: flip.repaired,
             }));
-            let (before, after) = extent(character).length;
+            let (before, after) = self.extents[index].length;
             let ratio = after / before;
             let drastic = before > SHORT_PATH && !USUAL_RATIO.contains(&ratio);
             notes.extend(drastic.then(|| EditNote::Stretched { character: name(index), ratio }));
@@ -328,6 +296,27 @@ impl Target {
             Self::Seconds(_) => "time",
         }
     }
+}
+
+/// Which of the rows at `places` belong to `constraint`; `of_row`: constraint of the row at a place, rising.
+fn rows_of(
+    constraint: ConstraintId,
+    places: &[(usize, usize)],
+    of_row: impl Fn((usize, usize)) -> ConstraintId,
+) -> Range<usize> {
+    let first = places.partition_point(|place| of_row(*place) < constraint);
+    first..places.partition_point(|place| of_row(*place) <= constraint)
+}
+
+fn solve_times(scene: &Scene, group: &mut Group<TemporalComponent>) -> Result<(), EditError> {
+    group.component.solve().map_err(|error| time_error(scene, &group.characters, error))?;
+    for (times, character) in group.component.times.iter().zip(&group.characters) {
+        if let Some(frame) = times.windows(2).position(|pair| pair[1] <= pair[0]) {
+            let character = scene.characters[*character].name.clone();
+            return Err(EditError::BackwardTime { character, frame });
+        }
+    }
+    Ok(())
 }
 
 fn extent(character: &EditedCharacter) -> Extent {

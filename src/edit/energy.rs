@@ -45,7 +45,7 @@ pub struct Extent {
 
 /// Length of a polyline, metres.
 pub fn length(points: &[c64]) -> f64 {
-    points.windows(2).map(|pair| (pair[1] - pair[0]).norm()).sum()
+    points.windows(2).map(|pair| (pair[1] - pair[0]).norm_sqr().sqrt()).sum()
 }
 
 impl Energy {

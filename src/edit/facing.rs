@@ -2,12 +2,12 @@
 
 use crate::clip::working::WORKING_STEP;
 use crate::constraint::Strength;
-use crate::edit::hold::HeldRow;
+use crate::edit::energy::length;
+use crate::edit::hold::{HeldRow, Prepared, Rotations};
 use crate::edit::settings::FacingMode;
-use crate::edit::spatial::SpatialComponent;
 use crate::geometry::{c64, smoothstep, wrap};
 use crate::index::floor_index;
-use crate::path::{self, Flip, RestPath, SHORTEST_TANGENT, SegmentFactors, bracket};
+use crate::path::{self, Flip, RestPath, SHORTEST_TANGENT, SegmentFactors, TangentTurning, bracket};
 
 /// Held facings nearer than this are joined by interpolation, seconds.
 const JOINED: f64 = 1.0;
@@ -26,33 +26,9 @@ pub struct Turns {
 }
 
 impl Turns {
-    /// Fills in the turns of `edited` against `rest`, without corrections, reusing storage. `pinned`: frames whose
-    /// direction is held.
-    pub fn update(
-        &mut self,
-        rest: &RestPath,
-        edited: &[c64],
-        factors: &SegmentFactors,
-        mode: FacingMode,
-        pinned: &[usize],
-    ) {
-        self.corrections.clear();
-        self.flips.clear();
-        match mode {
-            FacingMode::TangentBlend => {
-                path::blended_turns(&rest.positions, edited, factors, &mut self.along_path);
-            }
-            FacingMode::Tangent => {
-                let found =
-                    path::tangent_turns(&rest.positions, edited, SHORTEST_TANGENT, rest.headings[0], pinned);
-                (self.along_path, self.flips) = (found.turns, found.flips);
-            }
-        }
-    }
-
     /// Makes the turn at each frame of `held` what it must be, radians up to whole turns; of two at one frame, the first.
-    pub fn correct(&mut self, held: impl IntoIterator<Item = (f64, f64)>) {
-        for (frame, turn) in held {
+    pub fn correct(&mut self, held: &[(f64, f64)]) {
+        for (frame, turn) in held.iter().copied() {
             if let Err(place) = self.corrections.binary_search_by(|(f, _)| f.total_cmp(&frame)) {
                 let correction = wrap(turn - self.uncorrected(frame));
                 self.corrections.insert(place, (frame, correction));
@@ -85,37 +61,75 @@ impl Turns {
     }
 }
 
-/// What held rows say of the facing of one path.
-#[derive(Clone, Debug, Default)]
-pub struct HeldFacing {
+/// The body on one path after the edit, with the storage of its solves.
+#[derive(Clone, Debug)]
+pub struct Body {
+    /// Where it looks.
+    pub turns: Turns,
+    /// Length of its path, metres.
+    pub length: f64,
     /// Frames whose direction is held; no repair of turned-over tangents crosses them.
-    pub pinned: Vec<usize>,
+    pinned: Vec<usize>,
     /// Frames whose facing the shape phase decides, with the turn it gives; hard rows first.
-    pub turns: Vec<(f64, f64)>,
+    held_turns: Vec<(f64, f64)>,
+    /// In the published mode.
+    tangents: Option<TangentTurning>,
 }
 
-/// What held rows say of the facing of each path of a solved component. Cost: linear in rows.
-pub fn held_facings(component: &SpatialComponent) -> Vec<HeldFacing> {
-    let mut facings = vec![HeldFacing::default(); component.rests.len()];
+impl Body {
+    /// The body as at rest.
+    pub fn new(rest: &RestPath, mode: FacingMode) -> Self {
+        let turning = || TangentTurning::new(&rest.positions, SHORTEST_TANGENT, rest.headings[0]);
+        Self {
+            turns: Turns { along_path: vec![0.0; rest.len()], ..Turns::default() },
+            length: length(&rest.positions),
+            pinned: Vec::new(),
+            held_turns: Vec::new(),
+            tangents: (mode == FacingMode::Tangent).then(turning),
+        }
+    }
+
+    /// Follows the path `edited`; [`hold_facings`] comes first. Cost: linear in frames.
+    pub fn follow(&mut self, rest: &RestPath, edited: &[c64], factors: &SegmentFactors) {
+        self.length = length(edited);
+        let Turns { along_path, corrections, flips } = &mut self.turns;
+        corrections.clear();
+        flips.clear();
+        match &mut self.tangents {
+            Some(tangents) => tangents.update(edited, &self.pinned, along_path, flips),
+            None => {
+                path::blended_turns(&rest.positions, edited, factors, along_path);
+                self.turns.correct(&self.held_turns);
+            }
+        }
+    }
+}
+
+/// Tells the bodies of all paths of a component what held rows say of their facing. `rotations`: of the places of each row.
+/// Cost: linear in rows.
+pub fn hold_facings(held: &[Prepared], rotations: &[Rotations], bodies: &mut [Body]) {
+    for body in bodies.iter_mut() {
+        body.pinned.clear();
+        body.held_turns.clear();
+    }
     for pass in [true, false] {
-        for (prepared, rotations) in component.held.iter().zip(&component.rotations) {
+        for (prepared, rotations) in held.iter().zip(rotations) {
             let HeldRow { hold, strength, .. } = prepared.row;
             if (strength == Strength::Hard) != pass {
                 continue;
             }
             let at = hold.at();
             if hold.is_direction() {
-                facings[at.path].pinned.push(floor_index(at.frame));
+                bodies[at.path].pinned.push(floor_index(at.frame));
             }
             if hold.is_direction() || at.detail != c64::default() {
-                facings[at.path].turns.push((at.frame, rotations.at.arg()));
+                bodies[at.path].held_turns.push((at.frame, rotations.at.arg()));
             }
             if let Some(to) = hold.to() {
-                facings[to.path].turns.push((to.frame, rotations.to.arg()));
+                bodies[to.path].held_turns.push((to.frame, rotations.to.arg()));
             }
         }
     }
-    facings
 }
 
 #[cfg(test)]
@@ -125,7 +139,7 @@ mod tests {
     #[test]
     fn corrections_hold_at_their_frames_and_fade_out() {
         let mut turns = Turns { along_path: vec![0.1; 200], ..Turns::default() };
-        turns.correct([(50.5, 0.3), (60.0, 0.2), (150.0, 0.1)]);
+        turns.correct(&[(50.5, 0.3), (60.0, 0.2), (150.0, 0.1)]);
         assert!((turns.at(50.5) - 0.3).abs() < 1e-15);
         assert!((turns.at(60.0) - 0.2).abs() < 1e-15);
         assert!(turns.at(55.0) > 0.2 && turns.at(55.0) < 0.3);

@@ -15,6 +15,42 @@ pub struct Group<C> {
     pub characters: Vec<usize>,
     /// Their system.
     pub component: C,
+    /// Frames of all of them.
+    pub frames: usize,
+    /// Whether targets have moved since the result was taken.
+    pub stale: bool,
+}
+
+/// Fewer frames than this are done with before other threads have woken up.
+const WORTH_THREADS: usize = 20_000;
+/// A thread takes no fewer than about so many frames at once.
+const SHARE: usize = 3_000;
+
+impl<C> Group<C> {
+    fn new(characters: Vec<usize>, rests: &[RestPath], component: C) -> Self {
+        let frames = characters.iter().map(|character| rests[*character].len()).sum();
+        Self { characters, component, frames, stale: true }
+    }
+}
+
+/// Calls `work` with every stale group, on all threads where there is enough to do, until one fails.
+///
+/// # Errors
+/// The first in the order of groups.
+pub fn for_each_stale<C: Send, E: Send>(
+    groups: &mut [Group<C>],
+    work: impl Fn(&mut Group<C>) -> Result<(), E> + Sync,
+) -> Result<(), E> {
+    let own = |group: &mut Group<C>| if group.stale { work(group).err() } else { None };
+    let stale = groups.iter().filter(|group| group.stale);
+    let (count, frames) = stale.fold((0, 0), |sum, group| (sum.0 + 1, sum.1 + group.frames));
+    let failure = if count > 1 && frames > WORTH_THREADS {
+        let at_once = (groups.len() * SHARE / frames).max(1);
+        groups.par_iter_mut().with_min_len(at_once).find_map_first(own)
+    } else {
+        groups.iter_mut().find_map(own)
+    };
+    failure.map_or(Ok(()), Err)
 }
 
 /// Groups of characters that `links` connect, each group and the list of groups rising.
@@ -74,7 +110,7 @@ pub fn spatial_groups(
     }
     let build = |(characters, held): (Vec<usize>, Vec<Prepared>)| {
         let own = characters.iter().map(|character| rests[*character].clone()).collect();
-        Group { characters, component: SpatialComponent::new(own, held, settings, backend) }
+        Group::new(characters, rests, SpatialComponent::new(own, held, settings, backend))
     };
     let pairs: Vec<_> = groups.into_iter().zip(rows).collect();
     (pairs.into_par_iter().map(build).collect(), index)
@@ -104,7 +140,7 @@ pub fn temporal_groups(
     let settings = TemporalSettings { bounds, ..TemporalSettings::default() };
     let build = |(characters, rows): (Vec<usize>, Vec<TimeRow>)| {
         let counts = characters.iter().map(|character| rests[*character].len()).collect();
-        Group { characters, component: TemporalComponent::new(counts, rows, settings) }
+        Group::new(characters, rests, TemporalComponent::new(counts, rows, settings))
     };
     let pairs: Vec<_> = groups.into_iter().zip(own).collect();
     (pairs.into_par_iter().map(build).collect(), index)

@@ -10,17 +10,20 @@ use crate::path;
 /// Displacement of each path that its constraints ask for: the mean of its pinned places, hard ones alone where there are
 /// any; without pins, what an offset from a displaced partner asks for; else `None`.
 ///
-/// `paths`: the paths to be displaced; `rotations`: of the places of each held row against rest. Cost: linear in rows.
-pub fn reference_translations(
-    paths: &[&[c64]],
+/// `path`: points of the paths to be displaced, `paths` in number; `rotations`: of the places of a held row against rest. Cost:
+/// linear in rows and paths.
+pub fn reference_translations<'a>(
+    paths: usize,
+    path: impl Fn(usize) -> &'a [c64],
     held: &[Prepared],
-    rotations: &[Rotations],
+    rotations: impl Fn(usize) -> Rotations,
 ) -> Vec<Option<c64>> {
-    let mut sums = vec![[(c64::default(), 0.0); 2]; paths.len()];
-    let mut ties: Vec<Vec<(usize, c64)>> = vec![Vec::new(); paths.len()];
+    let mut sums = vec![[(c64::default(), 0.0); 2]; paths];
+    let mut ties: Vec<Vec<(usize, c64)>> = vec![Vec::new(); paths];
     let point =
-        |place: Place, rotation: c64| path::at(paths[place.path], place.frame) + rotation * place.detail;
-    for (prepared, rotations) in held.iter().zip(rotations) {
+        |place: Place, rotation: c64| path::at(path(place.path), place.frame) + rotation * place.detail;
+    for (row, prepared) in held.iter().enumerate() {
+        let rotations = rotations(row);
         match prepared.row.hold {
             Hold::Position { at, target } => {
                 let (rank, weight) = match prepared.row.strength {

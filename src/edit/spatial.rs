@@ -10,13 +10,14 @@ use rayon::prelude::*;
 use crate::edit::bodies::{first_disagreement, leave_to_the_body, spread_still_rotations};
 use crate::edit::clash::{self, Miss};
 use crate::edit::columns::Freedom;
+use crate::edit::facing::{Body, hold_facings};
 use crate::edit::hold::{Direction, Hold, Phase, Prepared, Rotations, run_chord};
 use crate::edit::phase::PhaseSolver;
 use crate::edit::reference::reference_translations;
 use crate::edit::settings::{Backend, FacingMode, SpatialSettings};
 use crate::geometry::{c64, cis};
 use crate::index::ConstraintId;
-use crate::path::{RestPath, SegmentFactors};
+use crate::path::{RestPath, RestSegments, SegmentFactors};
 
 /// Energies of the two phases, m².
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -58,27 +59,39 @@ pub struct SpatialComponent {
     pub released: Runs,
     /// Paths after the shape phase.
     pub shaped: Vec<Vec<c64>>,
-    /// Segment factors of the shape phase.
-    pub factors: Vec<SegmentFactors>,
     /// Paths after the scale phase.
     pub edited: Vec<Vec<c64>>,
+    /// Bodies on these.
+    pub bodies: Vec<Body>,
     /// Rotations of the places of each held row in the shape phase.
     pub rotations: Vec<Rotations>,
     /// Energies of the present result.
     pub energy: SpatialEnergy,
     settings: SpatialSettings,
     backend: Backend,
+    /// Segments of the rest paths.
+    segments: Vec<RestSegments>,
     /// Longest chord of every stationary stretch, by path.
     chords: Vec<Vec<Direction>>,
     shape: PhaseSolver,
     scale: PhaseSolver,
     /// Systems with other stretches released than the present ones, with these stretches.
     others: Vec<(Runs, [PhaseSolver; 2])>,
-    rescaled: Vec<Vec<c64>>,
+    turned: Vec<TurnedPath>,
+}
+
+/// A path of rest segments turned as in the shape phase.
+struct TurnedPath {
+    /// Segment factors of the shape phase; inside a kept stationary stretch, rotations are that of the stretch.
+    factors: SegmentFactors,
+    /// From the origin.
+    points: Vec<c64>,
 }
 
 /// Groups with more frames than this are worked on by all threads.
 const WORTH_THREADS: usize = 20_000;
+/// A thread takes no fewer than about so many frames at once.
+const SHARE: usize = 3_000;
 /// So many systems with other stretches released are kept.
 const MOST_KEPT: usize = 4;
 
@@ -103,8 +116,9 @@ impl SpatialComponent {
         Self {
             shaped: rests.iter().map(|rest| rest.positions.clone()).collect(),
             edited: rests.iter().map(|rest| rest.positions.clone()).collect(),
-            rescaled: rests.iter().map(|rest| rest.positions.clone()).collect(),
-            factors: vec![SegmentFactors::default(); rests.len()],
+            turned: rests.iter().map(TurnedPath::new).collect(),
+            bodies: rests.iter().map(|rest| Body::new(rest, settings.facing)).collect(),
+            segments: rests.iter().map(RestPath::segments).collect(),
             rotations: vec![Rotations::NONE; held.len()],
             energy: SpatialEnergy::default(),
             released: Vec::new(),
@@ -255,10 +269,9 @@ impl SpatialComponent {
     }
 
     fn solve_shape(&mut self) -> Result<Option<Attempt>, SpatialError> {
-        let paths: Vec<&[c64]> = self.rests.iter().map(|rest| &rest.positions[..]).collect();
-        let unturned = vec![Rotations::NONE; self.held.len()];
-        let translations = reference_translations(&paths, &self.held, &unturned);
         let (held, rotations, rests) = (&self.held, &self.rotations, &self.rests);
+        let rest = |path: usize| rests[path].positions.as_slice();
+        let translations = reference_translations(rests.len(), rest, held, |_| Rotations::NONE);
         let relative = self.settings.relative;
         let reference =
             |path: usize, frame: usize| rests[path].positions[frame] + translations[path].unwrap_or_default();
@@ -268,56 +281,48 @@ impl SpatialComponent {
             return self.clash(&rows, miss).map(Some);
         }
         self.shape.solve().map_err(|error| SpatialError::Solver(Phase::Shape, error))?;
-        let shape = &self.shape;
-        let bend = |(path, (shaped, factors)): (usize, (&mut Vec<c64>, &mut SegmentFactors))| {
-            shape.points(path, |frame| reference(path, frame), shaped);
-            factors.update(&rests[path].positions, shaped);
+        let (shape, segments, chords, released) = (&self.shape, &self.segments, &self.chords, &self.released);
+        let bend = |path: usize, shaped: &mut Vec<c64>, turned: &mut TurnedPath| {
+            let (rest, translation) = (&rests[path], translations[path].unwrap_or_default());
+            shape.points(path, |frame| rest.positions[frame] + translation, shaped);
+            let kept = |(run, _): &(usize, _)| released.binary_search(&(path, *run)).is_err();
+            let runs = rest.rigid.iter().zip(&chords[path]).enumerate().filter(kept);
+            turned.follow(&segments[path], shaped, runs.map(|(_, run)| run));
         };
-        for_each_path(rests, &mut self.shaped, &mut self.factors, bend);
+        for_each_path(rests, &mut self.shaped, &mut self.turned, bend);
         (self.energy.shape, self.energy.shape_soft) = self.shape.energies();
         Ok(None)
     }
 
     fn solve_scale(&mut self) -> Result<Option<Attempt>, SpatialError> {
-        self.rescale();
-        let (held, rotations, rescaled) = (&self.held, &self.rotations, &self.rescaled);
+        let translations = self.scale_translations();
+        let (held, rotations, turned) = (&self.held, &self.rotations, &self.turned);
         let relative = self.settings.relative;
         let value = |index: usize| held[index].target(Phase::Scale, relative, rotations[index]);
-        self.scale.set_targets(value, |path, frame| rescaled[path][frame]);
+        self.scale.set_targets(value, |path, frame| turned[path].points[frame] + translations[path]);
         if let Some((rows, miss)) = self.scale.contradiction() {
             return self.clash(&rows, miss).map(Some);
         }
         self.scale.solve().map_err(|error| SpatialError::Solver(Phase::Scale, error))?;
-        let scale = &self.scale;
-        let stretch = |(path, (edited, _)): (usize, (&mut Vec<c64>, &mut SegmentFactors))| {
-            scale.points(path, |frame| rescaled[path][frame], edited);
+        hold_facings(held, rotations, &mut self.bodies);
+        let (scale, rests) = (&self.scale, &self.rests);
+        let stretch = |path: usize, edited: &mut Vec<c64>, body: &mut Body| {
+            let (turned, translation) = (&turned[path], translations[path]);
+            scale.points(path, |frame| turned.points[frame] + translation, edited);
+            body.follow(&rests[path], edited, &turned.factors);
         };
-        for_each_path(&self.rests, &mut self.edited, &mut self.factors, stretch);
+        for_each_path(rests, &mut self.edited, &mut self.bodies, stretch);
         (self.energy.scale, self.energy.scale_soft) = self.scale.energies();
         Ok(None)
     }
 
-    /// Paths whose segments are those at rest, turned as in the shape phase, where their constraints ask for them; where
-    /// none does, around the middle of the shaped path.
-    fn rescale(&mut self) {
-        let (rests, shaped, chords, released) = (&self.rests, &self.shaped, &self.chords, &self.released);
-        let turn = |(path, (rescaled, factors)): (usize, (&mut Vec<c64>, &mut SegmentFactors))| {
-            for (run, chord) in
-                chords[path].iter().enumerate().filter(|(run, _)| !released.contains(&(path, *run)))
-            {
-                let (first, last) = rests[path].rigid[run];
-                let rotation = run_rotation(chord, &shaped[path], &factors.rotations, first);
-                factors.rotations[first..last].fill(rotation);
-            }
-            turn_steps(&rests[path], &factors.rotations, &shaped[path], rescaled);
-        };
-        for_each_path(rests, &mut self.rescaled, &mut self.factors, turn);
-        let paths: Vec<&[c64]> = self.rescaled.iter().map(Vec::as_slice).collect();
-        let translations = reference_translations(&paths, &self.held, &self.rotations);
-        for (rescaled, translation) in self.rescaled.iter_mut().zip(translations) {
-            let translation = translation.unwrap_or_default();
-            rescaled.iter_mut().for_each(|point| *point += translation);
-        }
+    /// What moves each turned path where its constraints ask for it; where none does, around the middle of the shaped one.
+    fn scale_translations(&self) -> Vec<c64> {
+        let (turned, rotations) = (&self.turned, &self.rotations);
+        let path = |path: usize| turned[path].points.as_slice();
+        let asked = reference_translations(turned.len(), path, &self.held, |row| rotations[row]);
+        let to_middle = |path: usize| centre(&self.shaped[path]) - centre(&turned[path].points);
+        asked.into_iter().enumerate().map(|(path, asked)| asked.unwrap_or_else(|| to_middle(path))).collect()
     }
 
     /// Releases the stationary stretches that the contradicting rows touch; without any, that is a conflict.
@@ -349,6 +354,33 @@ fn chords(rest: &RestPath) -> Vec<Direction> {
     rest.rigid.iter().map(|run| run_chord(rest, *run)).collect()
 }
 
+impl TurnedPath {
+    fn new(rest: &RestPath) -> Self {
+        Self { factors: SegmentFactors::default(), points: rest.positions.clone() }
+    }
+
+    /// Turns as `shaped` does. `runs`: kept stationary stretches and their longest chords.
+    fn follow<'a>(
+        &mut self,
+        rest: &RestSegments,
+        shaped: &[c64],
+        runs: impl Iterator<Item = (&'a (usize, usize), &'a Direction)>,
+    ) {
+        self.factors.update(rest, shaped);
+        let rotations = &mut self.factors.rotations;
+        for ((first, last), chord) in runs {
+            let rotation = run_rotation(chord, shaped, rotations, *first);
+            rotations[*first..*last].fill(rotation);
+        }
+        let mut point = c64::default();
+        self.points[0] = point;
+        for ((step, rotation), next) in rest.steps.iter().zip(rotations).zip(&mut self.points[1..]) {
+            point += step * *rotation;
+            *next = point;
+        }
+    }
+}
+
 /// Unit rotation of a stationary stretch in the shape phase; one without extent turns with its first step.
 fn run_rotation(chord: &Direction, shaped: &[c64], rotations: &[c64], first: usize) -> c64 {
     if chord.rest.norm() > 0.0 {
@@ -357,32 +389,24 @@ fn run_rotation(chord: &Direction, shaped: &[c64], rotations: &[c64], first: usi
     rotations.get(first).copied().unwrap_or(c64::new(1.0, 0.0))
 }
 
-/// The path of rest steps turned by `rotations`, around the middle of the shaped path.
-fn turn_steps(rest: &RestPath, rotations: &[c64], shaped: &[c64], rescaled: &mut [c64]) {
-    rescaled[0] = c64::default();
-    for segment in 0..rest.len() - 1 {
-        let step = if rest.coincide(segment, segment + 1) {
-            c64::default()
-        } else {
-            rest.positions[segment + 1] - rest.positions[segment]
-        };
-        rescaled[segment + 1] = rescaled[segment] + step * rotations[segment];
-    }
-    let shift = (shaped.iter().sum::<c64>() - rescaled.iter().sum::<c64>()) / rest.len() as f64;
-    rescaled.iter_mut().for_each(|point| *point += shift);
+fn centre(points: &[c64]) -> c64 {
+    points.iter().sum::<c64>() / points.len() as f64
 }
 
-/// Calls `work` with the number, points and factors of every path, on all threads where there is enough to do.
-fn for_each_path(
+/// Calls `work` with the number of every path and what the two lists have of it, on all threads where there is enough to do.
+fn for_each_path<A: Send, B: Send>(
     rests: &[RestPath],
-    points: &mut [Vec<c64>],
-    factors: &mut [SegmentFactors],
-    work: impl Fn((usize, (&mut Vec<c64>, &mut SegmentFactors))) + Sync,
+    first: &mut [A],
+    second: &mut [B],
+    work: impl Fn(usize, &mut A, &mut B) + Sync,
 ) {
-    if rests.iter().map(RestPath::len).sum::<usize>() > WORTH_THREADS {
-        points.par_iter_mut().zip(factors).enumerate().with_min_len(16).for_each(&work);
+    let frames: usize = rests.iter().map(RestPath::len).sum();
+    let own = |(path, (first, second)): (usize, (&mut A, &mut B))| work(path, first, second);
+    if frames > WORTH_THREADS {
+        let at_once = (rests.len() * SHARE / frames).max(1);
+        first.par_iter_mut().zip(second).enumerate().with_min_len(at_once).for_each(own);
     } else {
-        points.iter_mut().zip(factors).enumerate().for_each(work);
+        first.iter_mut().zip(second).enumerate().for_each(own);
     }
 }
 
