@@ -55,7 +55,7 @@ pub struct Compliance {
     pub(crate) free: Vec<Combination>,
     positions: Vec<(usize, usize)>,
     pub(crate) scales: Vec<f64>,
-    /// What the covariances are divided by in the system.
+    /// Power of two that the covariances are divided by in the system.
     pub(crate) unit: f64,
     data: Vec<c64>,
 }
@@ -184,7 +184,7 @@ impl Compliance {
         }
         let sizes = self.rows.iter().map(|row| row.terms.iter().map(|(_, _, c)| c.norm_sqr()).sum::<f64>());
         let unit = own.iter().zip(sizes).map(|(own, size)| own / size).fold(0.0, f64::max);
-        self.unit = if unit > 0.0 && unit.is_finite() { unit } else { 1.0 };
+        self.unit = if unit > 0.0 && unit.is_finite() { unit.log2().round().exp2() } else { 1.0 };
         let scale = |(own, seen): (&f64, &f64)| {
             let size = (own / self.unit).max(*seen).sqrt();
             if size > 0.0 { size.log2().round().exp2().recip() } else { 1.0 }

@@ -35,11 +35,9 @@ impl<T: Scalar> TwoPart<T> {
         T::add_product(self, other.low, factor);
     }
 
-    /// This number times a real factor.
-    pub fn scaled(self, factor: f64) -> Self {
-        let mut product = Self::default();
-        product.add_scaled(self, T::from_real(factor));
-        product
+    /// This number times a power of two, exactly.
+    pub fn scaled(self, power_of_two: f64) -> Self {
+        Self { high: self.high.scale(power_of_two), low: self.low.scale(power_of_two) }
     }
 }
 
