@@ -1,7 +1,7 @@
 //! Configurations of the other libraries that are tried.
 
 use crate::peer::Library;
-use crate::system::{Form, NUMBERS, Numbers};
+use crate::system::{Form, Numbers};
 
 /// One way to use a library.
 #[derive(Clone, Debug, PartialEq)]
@@ -21,19 +21,18 @@ pub struct Configuration {
 /// Options and their words.
 type Choice = ([f64; 3], String);
 
-/// All that is tried of a library on one form, the library's defaults on complex numbers first.
-pub fn configurations(library: Library, form: Form) -> Vec<Configuration> {
+/// All that is tried of a library on one system, the library's defaults first.
+pub fn configurations(library: Library, form: Form, numbers: Numbers) -> Vec<Configuration> {
     let choices = match library {
         Library::Umfpack => umfpack(),
         Library::Klu => klu(),
         Library::SparseLu => sparse_lu(),
         Library::Ldlt => ldlt(),
     };
-    let configure = |((options, words), numbers): (&Choice, Numbers)| {
-        let kind = if numbers == Numbers::Complex { "complex" } else { "real" };
-        Configuration { library, form, numbers, options: *options, label: format!("{kind}, {words}") }
-    };
-    choices.iter().flat_map(|choice| NUMBERS.map(|numbers| (choice, numbers))).map(configure).collect()
+    choices
+        .into_iter()
+        .map(|(options, label)| Configuration { library, form, numbers, options, label })
+        .collect()
 }
 
 /// Strategy × ordering × refinement; numbers of `umfpack.h`.

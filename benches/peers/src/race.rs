@@ -1,9 +1,10 @@
-//! All solvers on one size: each configuration is tried, the best of each library and form is measured.
+//! All solvers on one size: each configuration is tried, the best of each library on each system is measured.
 
 use crate::configuration::{Configuration, configurations};
 use crate::measure::{Case, LIBRARIES, Run, Statistic, run_ours, run_peer, summary};
 use crate::ours::{ROUTES, Route};
-use crate::system::{FORMS, Form};
+use crate::peer::Library;
+use crate::system::{FORMS, Form, NUMBERS, Numbers};
 use std::time::Instant;
 
 /// Runs that are shorter, seconds, are tried three times.
@@ -16,7 +17,7 @@ const NEGLIGIBLE: f64 = 1e-3;
 const COMPARABLE: f64 = 100.0;
 
 /// Configurations of each field that are measured, so that the noise of a single trial does not decide.
-const FINALISTS: usize = 3;
+const FINALISTS: usize = 2;
 
 /// How much is measured.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -32,14 +33,14 @@ pub struct Effort {
     pub statistic: Statistic,
 }
 
-/// Configurations of one library on one form, the best at the last size first.
+/// Configurations of one library on one form in one kind of numbers, the best at the last size first.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Field(Vec<Configuration>);
 
 /// Measured results of one solver on one size.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Row {
-    /// Solver and form.
+    /// Solver, numbers and form.
     pub name: String,
     /// Its configuration; empty for our own.
     pub configuration: String,
@@ -65,8 +66,10 @@ enum Kind {
 
 /// Everything that is tried of every library.
 pub fn all_fields() -> Vec<Field> {
-    let pairs = LIBRARIES.iter().flat_map(|library| FORMS.map(|form| (*library, form)));
-    pairs.map(|(library, form)| Field(configurations(library, form))).collect()
+    let of_form =
+        |library: Library, form: Form| NUMBERS.map(|numbers| Field(configurations(library, form, numbers)));
+    let of_library = |library: &Library| FORMS.map(|form| of_form(*library, form));
+    LIBRARIES.iter().flat_map(of_library).flatten().collect()
 }
 
 /// Indices of runs, the best first: by cold times drag, of those that are accurate to a millimetre, or to a hundred times
@@ -113,7 +116,10 @@ impl Entrant {
     fn row(&self, statistic: Statistic) -> Row {
         let (name, configuration) = match &self.kind {
             Kind::Ours(route) => (route.name().to_owned(), String::new()),
-            Kind::Peer(c) => (format!("{}, {}", c.library.name(), form_name(c.form)), c.label.clone()),
+            Kind::Peer(c) => (
+                format!("{}, {} {}", c.library.name(), numbers_name(c.numbers), form_name(c.form)),
+                c.label.clone(),
+            ),
         };
         let run = (!self.runs.is_empty()).then(|| summary(&self.runs, statistic));
         Row { name, configuration, best: false, run, repeats: self.runs.len() }
@@ -163,6 +169,13 @@ fn mark_best(rows: &mut [Row]) {
         let group: Vec<_> = (0..rows.len()).filter(|&other| names[other] == names[k]).collect();
         let runs: Vec<_> = group.iter().map(|&other| rows[other].run).collect();
         rows[k].best = group[best_first(&runs)[0]] == k;
+    }
+}
+
+fn numbers_name(numbers: Numbers) -> &'static str {
+    match numbers {
+        Numbers::Complex => "complex",
+        Numbers::Real => "real",
     }
 }
 

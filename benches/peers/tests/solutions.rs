@@ -4,7 +4,7 @@ use cotillion_peers::configuration::{Configuration, configurations};
 use cotillion_peers::measure::{Case, LIBRARIES, run_ours, run_peer};
 use cotillion_peers::ours::ROUTES;
 use cotillion_peers::peer::{Library, Peer};
-use cotillion_peers::system::{FORMS, Form, assemble, layout, points_of, right_hand_side};
+use cotillion_peers::system::{FORMS, Form, NUMBERS, Numbers, assemble, layout, points_of, right_hand_side};
 use cotillion_solvers::workload::relay_chain;
 use cotillion_solvers::{LeastSquares, RowMatrix, c64, solve};
 
@@ -18,7 +18,9 @@ const NORMAL_TOLERANCE: f64 = 1e-4;
 const HACHTEL_TOLERANCE: f64 = 1e-4;
 
 fn every_configuration() -> impl Iterator<Item = Configuration> {
-    LIBRARIES.into_iter().flat_map(|library| FORMS.map(|form| configurations(library, form))).flatten()
+    let systems = FORMS.into_iter().flat_map(|form| NUMBERS.map(|numbers| (form, numbers)));
+    let of = |(form, numbers)| LIBRARIES.map(|library| configurations(library, form, numbers));
+    systems.flat_map(of).flatten()
 }
 
 fn tolerance(form: Form) -> f64 {
@@ -68,7 +70,8 @@ fn ten_paths_are_solved_by_every_configuration_that_pivots() {
 fn ten_paths_are_solved_by_the_best_configuration_without_pivots() {
     let case = Case::new(relay_chain(10)).expect("four pins hold the chain");
     for form in FORMS {
-        let runs = configurations(Library::Ldlt, form).into_iter().map(|c| run_peer(&case, &c));
+        let runs =
+            configurations(Library::Ldlt, form, Numbers::Complex).into_iter().map(|c| run_peer(&case, &c));
         let least = runs.flatten().map(|run| run.error).fold(f64::INFINITY, f64::min);
         assert!(least < tolerance(form), "{form:?}: {least:e}");
     }
