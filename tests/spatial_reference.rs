@@ -265,7 +265,7 @@ fn case_r_a_stationary_stretch_stays_rigid() {
     let result = solved(vec![rest.clone()], &case_c(Strength::Hard), SpatialSettings::PAPER);
     energy_close(result.energy.shape, 5.152859698275e-6);
     for i in 80..120 {
-        assert!((result.factors[0].factors[i].norm() - 1.500587171577962).abs() < POSITION);
+        assert!((result.turned[0].factors.factors[i].norm() - 1.500587171577962).abs() < POSITION);
     }
     close(result.shaped[0][50], (1.740854542410777, 0.821327276757508));
     close(result.shaped[0][150], (7.793166563518911, 1.006640108639617)); // corrected
@@ -329,7 +329,7 @@ fn the_stiffness_floor_spreads_bending_over_the_walk() {
     for (stiffness_speed, share, largest, energy) in expected {
         let settings = SpatialSettings { stiffness_speed, ..SpatialSettings::PAPER };
         let result = solved(vec![rest.clone()], &rows, settings);
-        let z = &result.factors[0].factors;
+        let z = &result.turned[0].factors.factors;
         let bends: Vec<f64> = (1..281).map(|s| (z[s] - z[s - 1]).norm()).collect();
         let near = |frames: std::ops::RangeInclusive<usize>| frames.map(|s| bends[s - 1]).sum::<f64>();
         let found = (near(105..=111) + near(170..=176)) / bends.iter().sum::<f64>();

@@ -59,6 +59,8 @@ pub struct SpatialComponent {
     pub released: Runs,
     /// Paths after the shape phase.
     pub shaped: Vec<Vec<c64>>,
+    /// Rest segments turned as in the shape phase.
+    pub turned: Vec<TurnedPath>,
     /// Paths after the scale phase.
     pub edited: Vec<Vec<c64>>,
     /// Bodies on these.
@@ -77,15 +79,14 @@ pub struct SpatialComponent {
     scale: PhaseSolver,
     /// Systems with other stretches released than the present ones, with these stretches.
     others: Vec<(Runs, [PhaseSolver; 2])>,
-    turned: Vec<TurnedPath>,
 }
 
 /// A path of rest segments turned as in the shape phase.
-struct TurnedPath {
+pub struct TurnedPath {
     /// Segment factors of the shape phase; inside a kept stationary stretch, rotations are that of the stretch.
-    factors: SegmentFactors,
+    pub factors: SegmentFactors,
     /// From the origin.
-    points: Vec<c64>,
+    pub points: Vec<c64>,
 }
 
 /// Groups with more frames than this are worked on by all threads.
