@@ -239,13 +239,19 @@ impl Compliance {
 }
 
 impl ComplianceAnalysis {
+    /// Whether a problem has the pattern of the analysed one. Cost: linear in entries.
+    pub fn fits(&self, problem: &Compliance) -> bool {
+        problem.layout.size == self.0.assembly.pattern.size && problem.positions == self.0.positions
+    }
+
     /// Factors a problem with the pattern of the analysed one.
     ///
     /// # Errors
-    /// [`KktError::PatternChanged`]; [`KktError::Singular`] if hard rows depend on each other.
+    /// [`KktError::PatternChanged`]; [`KktError::NotFinite`]; [`KktError::Singular`] if hard rows depend on each other.
     pub fn factor(&self, problem: &Compliance) -> Result<ComplianceFactor, KktError> {
         let plan = &*self.0;
-        if problem.layout.size != plan.assembly.pattern.size || problem.positions != plan.positions {
+        check(problem)?;
+        if !self.fits(problem) {
             return Err(KktError::PatternChanged { block: "C" });
         }
         let values = plan.assembly.values(&problem.data);

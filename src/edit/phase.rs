@@ -86,6 +86,13 @@ impl PhaseSolver {
         }
     }
 
+    /// Takes over what the system before knows of the pattern, if only coefficients have changed since.
+    pub fn adopt(&mut self, before: &Self) {
+        if let (System::Reduced(own), System::Reduced(before)) = (&mut self.system, &before.system) {
+            own.adopt(before);
+        }
+    }
+
     /// Sets what held rows miss on the reference: `value` of each held row, `reference` of each path and frame.
     pub fn set_targets(&mut self, value: impl Fn(usize) -> c64, reference: impl Fn(usize, usize) -> c64) {
         for (deviation, (held, row)) in self.deviations.iter_mut().zip(&self.rows) {

@@ -1,6 +1,7 @@
 //! One phase reduced exactly to its held rows: paths as springs.
 
-use cotillion_solvers::{Bent, Compliance, ComplianceFactor, KktError, PointRow};
+use cotillion_solvers::{Bent, Compliance, ComplianceAnalysis, ComplianceFactor, KktError, PointRow};
+use rayon::prelude::*;
 
 use crate::edit::columns::Freedom;
 use crate::edit::settings::SpatialSettings;
@@ -10,6 +11,7 @@ use crate::geometry::c64;
 /// Springs of a group of paths with its held rows, for deviations from a reference that bends no spring.
 pub struct ReducedPhase {
     problem: Compliance,
+    analysis: Option<ComplianceAnalysis>,
     factor: Option<(ComplianceFactor, Bent)>,
     /// Of held rows, then of rigid stretches, which are 0.
     targets: Vec<c64>,
@@ -19,12 +21,12 @@ impl ReducedPhase {
     /// Assembles, or `None` where springs cannot express the paths. `rows`: held rows, the hard ones independent. Cost:
     /// linear in frames.
     pub fn new(freedom: Freedom, rows: &[PointRow<c64>], settings: &SpatialSettings) -> Option<Self> {
-        let paths = (0..freedom.paths.len()).map(|path| spring_path(freedom, path, settings));
-        let paths = paths.collect::<Option<Vec<_>>>()?;
+        let paths = (0..freedom.paths.len()).into_par_iter().with_min_len(16);
+        let paths = paths.map(|path| spring_path(freedom, path, settings)).collect::<Option<Vec<_>>>()?;
         let mut all = rows.to_vec();
         all.extend(run_rows(freedom));
         let targets = vec![c64::default(); all.len()];
-        Some(Self { problem: Compliance::new(paths, all), factor: None, targets })
+        Some(Self { problem: Compliance::new(paths, all), analysis: None, factor: None, targets })
     }
 
     /// Factors the system unless that is done.
@@ -33,11 +35,27 @@ impl ReducedPhase {
     /// What the solver says of a matrix it cannot factor.
     pub fn factor(&mut self) -> Result<(), KktError> {
         if self.factor.is_none() {
-            let factor = self.problem.analyse()?.factor(&self.problem)?;
+            let analysis = self.analysis()?;
+            let factor = analysis.factor(&self.problem)?;
             let bent = Bent::new(&self.problem, &factor);
             self.factor = Some((factor, bent));
         }
         Ok(())
+    }
+
+    /// Plans the elimination unless that is done, or was for another system of the same pattern.
+    fn analysis(&mut self) -> Result<ComplianceAnalysis, KktError> {
+        let fits = |analysis: &ComplianceAnalysis| analysis.fits(&self.problem);
+        let analysis = match self.analysis.take().filter(fits) {
+            Some(analysis) => analysis,
+            None => self.problem.analyse()?,
+        };
+        Ok(self.analysis.insert(analysis).clone())
+    }
+
+    /// Takes over what another system of the same rows, with other coefficients, knows of their pattern.
+    pub fn adopt(&mut self, before: &Self) {
+        self.analysis.clone_from(&before.analysis);
     }
 
     /// Solves for one target a held row.

@@ -134,11 +134,14 @@ impl SpatialComponent {
         }
     }
 
-    /// Assembles anew after coefficients of held rows have changed (an offset, not a target).
+    /// Assembles anew after coefficients of held rows have changed (an offset, not a target); the order of elimination stays.
     pub fn reassemble(&mut self) {
         self.others.clear();
-        [self.shape, self.scale] =
+        let [mut shape, mut scale] =
             assemble_both(&self.rests, &self.held, &self.settings, self.backend, &self.released);
+        shape.adopt(&self.shape);
+        scale.adopt(&self.scale);
+        (self.shape, self.scale) = (shape, scale);
     }
 
     /// Goes over to the systems with the stretches `released`, which are kept once they are assembled.
