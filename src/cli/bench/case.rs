@@ -190,7 +190,7 @@ pub(super) fn reference(workload: &Workload) -> Result<[Edited; 2], KktError> {
     let mut refined = |(targets, times): (Vec<c64>, Vec<f64>)| {
         let mut edited = Edited::room(workload);
         shape.refined_into(&[], &targets, &mut edited.shape)?;
-        scaled_steps(&workload.paths, &edited.shape, &mut edited.steps);
+        scaled_steps(workload, &edited.shape, &mut edited.steps);
         scale.refined_into(&edited.steps, &targets, &mut edited.scale)?;
         time.refined_into(&times, &mut edited.times)?;
         Ok(edited)

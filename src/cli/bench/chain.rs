@@ -8,6 +8,7 @@ use cotillion_solvers::{
 };
 
 use super::measure::{Part, Phase, Solver, Watch};
+use super::stands::StandRows;
 
 /// Shape or scale system over the constrained points.
 pub(super) struct Chain {
@@ -16,6 +17,9 @@ pub(super) struct Chain {
     workspace: ChainWorkspace,
     /// Targets of the second differences.
     bends: Vec<Vec<c64>>,
+    stands: StandRows,
+    /// Targets of the rows of the workload, then of the stands.
+    targets: Vec<c64>,
 }
 
 impl Solver for Chain {
@@ -23,9 +27,11 @@ impl Solver for Chain {
 
     fn prepare(workload: &Workload, part: Part, watch: &mut Watch) -> Result<Self, KktError> {
         let targets = if part == Part::Shape { RowTargets::Zero } else { RowTargets::PerSolve };
+        let stands = StandRows::new(workload, part);
         let system = watch.lap(Phase::Assemble, || {
             let rows: Vec<Vec<ChainRow>> = workload.paths.iter().map(|path| path_rows(path, part)).collect();
-            ChainSystem::new(&rows, &workload.rows, targets)
+            let point_rows = [workload.rows.as_slice(), &stands.rows].concat();
+            ChainSystem::new(&rows, &point_rows, targets)
         })?;
         let analysis = watch.lap(Phase::Analyse, || analyse(system.problem(), KktForm::Hachtel))?;
         let factor = watch.lap(Phase::Factor, || analysis.factor(system.problem()))?;
@@ -36,7 +42,7 @@ impl Solver for Chain {
                 workload.paths.iter().map(|path| vec![c64::default(); path.len() - 2]).collect()
             }
         };
-        Ok(Self { system, factor, workspace, bends })
+        Ok(Self { system, factor, workspace, bends, stands, targets: Vec::new() })
     }
 
     fn solve_into(
@@ -51,7 +57,10 @@ impl Solver for Chain {
                 let differences = steps.windows(2).map(|pair| pair[1] - pair[0]);
                 bends.iter_mut().zip(differences).for_each(|(bend, difference)| *bend = difference);
             }
-            self.system.solve_into(&self.factor, targets, &self.bends, &mut self.workspace)
+            self.targets.clear();
+            self.targets.extend_from_slice(targets);
+            self.stands.visit_targets(steps, |target| self.targets.push(target));
+            self.system.solve_into(&self.factor, &self.targets, &self.bends, &mut self.workspace)
         })?;
         watch.lap(Phase::Expand, || self.system.expand(&self.workspace, points))
     }

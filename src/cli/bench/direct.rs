@@ -1,5 +1,7 @@
 //! The direct back ends: every frame an unknown, one augmented matrix, sparse LU. Also the reference all are compared with.
 
+use std::ops::Range;
+
 use cotillion_solvers::workload::{STEP, Workload};
 use cotillion_solvers::{
     CsMat, Factor, KktError, KktForm, LeastSquares, PointRow, RowMatrix, Scalar, TwoPart, Workspace, analyse,
@@ -7,6 +9,7 @@ use cotillion_solvers::{
 };
 
 use super::measure::{Part, Phase, Solver, Watch};
+use super::stands::StandRows;
 
 /// How complex rows and targets are written in numbers of this type.
 pub(super) trait Coefficient: Scalar {
@@ -59,9 +62,11 @@ impl Coefficient for f64 {
 /// Shape or scale system over all frames.
 pub(super) struct Direct<T> {
     full: Full<T>,
-    lengths: Vec<usize>,
+    /// Samples of each path that have a soft row.
+    bending: Vec<Vec<Range<usize>>>,
     /// Root of the weight of each row of the workload; none if it is hard.
     weights: Vec<Option<f64>>,
+    stands: StandRows,
 }
 
 /// Time system over all frames.
@@ -75,9 +80,13 @@ impl<T: Coefficient> Solver for Direct<T> {
     type Point = c64;
 
     fn prepare(workload: &Workload, part: Part, watch: &mut Watch) -> Result<Self, KktError> {
-        let problem = watch.lap(Phase::Assemble, || spatial_problem::<T>(workload, part));
+        let (problem, bending, stands) = watch.lap(Phase::Assemble, || {
+            let bending: Vec<_> = (0..workload.paths.len()).map(|path| workload.bending(path)).collect();
+            let stands = StandRows::new(workload, part);
+            (spatial_problem::<T>(workload, &bending, (&stands.rows, part)), bending, stands)
+        });
         let weights = roots(&workload.rows);
-        Ok(Self { full: Full::new(problem, watch)?, lengths: lengths(workload), weights })
+        Ok(Self { full: Full::new(problem, watch)?, bending, weights, stands })
     }
 
     fn solve_into(
@@ -115,8 +124,8 @@ impl<T: Coefficient> Direct<T> {
         let Full { m, h, .. } = &mut self.full;
         m.clear();
         h.clear();
-        for (path, length) in self.lengths.iter().enumerate() {
-            for i in 1..length - 1 {
+        for (path, bending) in self.bending.iter().enumerate() {
+            for i in bending.iter().flat_map(Range::clone) {
                 let bend = steps.get(path).map_or(c64::default(), |steps| steps[i] - steps[i - 1]);
                 T::push_target(m, bend);
             }
@@ -127,6 +136,7 @@ impl<T: Coefficient> Direct<T> {
                 None => T::push_target(h, *target),
             }
         }
+        self.stands.visit_targets(steps, |target| T::push_target(h, target));
     }
 
     fn read(&self, points: &mut [Vec<c64>]) {
@@ -207,18 +217,22 @@ fn starts(workload: &Workload) -> Vec<usize> {
     workload.paths.iter().scan(0, sum).collect()
 }
 
-fn spatial_problem<T: Coefficient>(workload: &Workload, part: Part) -> LeastSquares<T> {
+fn spatial_problem<T: Coefficient>(
+    workload: &Workload,
+    bending: &[Vec<Range<usize>>],
+    (stands, part): (&[PointRow<c64>], Part),
+) -> LeastSquares<T> {
     let starts = starts(workload);
     let columns = workload.samples() * T::PER_POINT;
     let (mut soft, mut hard) = (RowMatrix::new(columns), RowMatrix::new(columns));
-    for (path, &start) in workload.paths.iter().zip(&starts) {
-        for i in 1..path.len() - 1 {
+    for ((path, &start), bending) in workload.paths.iter().zip(&starts).zip(bending) {
+        for i in bending.iter().flat_map(Range::clone) {
             let [before, own, after] = path_row(path, i, part);
             let at = start + i;
             T::push_row(&mut soft, &[(at - 1, before), (at, own), (at + 1, after)]);
         }
     }
-    for row in &workload.rows {
+    for row in workload.rows.iter().chain(stands) {
         let terms = weighted_terms(row, &starts);
         T::push_row(if row.weight.is_some() { &mut soft } else { &mut hard }, &terms);
     }

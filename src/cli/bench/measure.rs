@@ -151,21 +151,34 @@ pub(super) fn drag<S: Solver<Point = c64>, T: Solver<Point = f64>>(
     let mut laps = Lap::default();
     let Edited { shape, steps, scale, times } = edited;
     rig.shape.solve_into(&[], targets, shape, &mut laps[0])?;
-    laps[1].lap(Phase::Solve, || scaled_steps(&workload.paths, shape, steps));
+    laps[1].lap(Phase::Solve, || scaled_steps(workload, shape, steps));
     rig.scale.solve_into(steps, targets, scale, &mut laps[1])?;
     rig.time.solve_into(&[], time_targets, times, &mut laps[2])?;
     Ok(laps)
 }
 
-/// Steps of the rest paths, turned as the shape phase turned them: `v z / |z|` with `z = v̄ / v`. A step that collapsed
-/// is not turned.
-pub(super) fn scaled_steps(rest: &[Vec<c64>], shape: &[Vec<c64>], steps: &mut [Vec<c64>]) {
-    let paths = rest.par_iter().zip(shape).zip(steps);
+/// Steps of the rest paths, turned as the shape phase turned them: `v z / |z|` with `z = v̄ / v`; a stand turns as a whole. A
+/// step that collapsed is not turned.
+pub(super) fn scaled_steps(workload: &Workload, shape: &[Vec<c64>], steps: &mut [Vec<c64>]) {
+    let rest = &workload.paths;
+    let paths = rest.par_iter().zip(shape).zip(&mut *steps);
     if rest.iter().map(Vec::len).sum::<usize>() > MANY_SAMPLES {
         paths.with_min_len(16).for_each(|((rest, shape), steps)| turn_steps(rest, shape, steps));
     } else {
         paths.with_min_len(rest.len()).for_each(|((rest, shape), steps)| turn_steps(rest, shape, steps));
     }
+    for &(path, first, last) in &workload.stands {
+        turn_stand(&rest[path][first..=last], &shape[path][first..=last], &mut steps[path][first..last]);
+    }
+}
+
+/// All steps of a stand turned by one rotation: the one that fits them best.
+fn turn_stand(rest: &[c64], shape: &[c64], steps: &mut [c64]) {
+    let turns = rest.windows(2).zip(shape.windows(2)).map(|(a, b)| (b[1] - b[0]) * (a[1] - a[0]).conj());
+    let turn: c64 = turns.sum();
+    let size = turn.norm_sqr().sqrt();
+    let rotation = if size > 0.0 { turn / size } else { c64::new(1.0, 0.0) };
+    rest.windows(2).zip(steps).for_each(|(pair, step)| *step = (pair[1] - pair[0]) * rotation);
 }
 
 fn turn_steps(rest: &[c64], shape: &[c64], steps: &mut Vec<c64>) {
@@ -227,6 +240,7 @@ pub(super) fn passes(mode: Mode, phase: Phase) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use cotillion_solvers::workload::relay_chain;
 
     #[test]
     fn median_repetition_keeps_its_phases() {
@@ -243,10 +257,28 @@ mod tests {
 
     #[test]
     fn turned_steps_keep_their_lengths() {
-        let rest = vec![vec![c64::new(0.0, 0.0), c64::new(1.0, 0.0), c64::new(1.0, 2.0)]];
-        let shape = vec![vec![c64::new(0.0, 0.0), c64::new(0.0, 5.0), c64::new(0.0, 5.0)]];
-        let mut steps = rest.clone();
-        scaled_steps(&rest, &shape, &mut steps);
+        let steps = steps_of(Vec::new(), [c64::new(0.0, 5.0), c64::new(0.0, 5.0)]);
         assert_eq!(steps, vec![vec![c64::new(0.0, 1.0), c64::new(0.0, 2.0)]]);
+    }
+
+    #[test]
+    fn stands_turn_as_a_whole() {
+        let free = steps_of(Vec::new(), [c64::new(0.0, 2.0), c64::new(-5.0, 2.0)]);
+        let stand = steps_of(vec![(0, 0, 2)], [c64::new(0.0, 2.0), c64::new(-5.0, 2.0)]);
+        assert_eq!(free, vec![vec![c64::new(0.0, 1.0), c64::new(-2.0, 0.0)]]);
+        assert_eq!(stand, free);
+        let stand = steps_of(vec![(0, 0, 2)], [c64::new(0.0, 2.0), c64::new(-2.0, 1.0)]);
+        assert_eq!(stand[0][1], c64::new(0.0, 2.0) * stand[0][0]);
+        assert!((stand[0][0].norm() - 1.0).abs() < f64::EPSILON);
+    }
+
+    /// Steps of the path 0, 1, 1 + 2i with these stands, shaped to 0 and these two points.
+    fn steps_of(stands: Vec<(usize, usize, usize)>, shaped: [c64; 2]) -> Vec<Vec<c64>> {
+        let zero = c64::default();
+        let paths = vec![vec![zero, c64::new(1.0, 0.0), c64::new(1.0, 2.0)]];
+        let mut steps = paths.clone();
+        let workload = Workload { paths, stands, ..relay_chain(2) };
+        scaled_steps(&workload, &[vec![zero, shaped[0], shaped[1]]], &mut steps);
+        steps
     }
 }

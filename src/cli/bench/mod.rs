@@ -8,6 +8,7 @@ mod elsewhere;
 mod measure;
 mod names;
 mod plot;
+mod stands;
 mod table;
 
 use std::path::{Path, PathBuf};
