@@ -8,7 +8,7 @@ use super::chain::{Chain, Network};
 use super::compliance::Springs;
 use super::direct::{Direct, DirectTime};
 use super::measure::{
-    Edited, Lap, Part, Phase, Rig, Solver, Watch, cold, drag, median_lap, passes, repeated, scaled_steps,
+    Edited, Lap, Part, Phase, Rig, Solver, Steps, Watch, cold, drag, median_lap, passes, repeated,
 };
 use super::names::{Backend, Mode, System, WorkloadName};
 
@@ -189,9 +189,9 @@ pub(super) fn reference(workload: &Workload) -> Result<[Edited; 2], KktError> {
     let mut time = DirectTime::prepare(workload, Part::Time, watch)?;
     let mut refined = |(targets, times): (Vec<c64>, Vec<f64>)| {
         let mut edited = Edited::room(workload);
-        shape.refined_into(&[], &targets, &mut edited.shape)?;
-        scaled_steps(workload, &edited.shape, &mut edited.steps);
-        scale.refined_into(&edited.steps, &targets, &mut edited.scale)?;
+        shape.refined_into(None, &targets, &mut edited.shape)?;
+        let steps = Steps { workload, shape: &edited.shape };
+        scale.refined_into(Some(steps), &targets, &mut edited.scale)?;
         time.refined_into(&times, &mut edited.times)?;
         Ok(edited)
     };
@@ -223,7 +223,7 @@ mod tests {
         let mut points = workload.paths.clone();
         let mut shape = Direct::<c64>::prepare(&workload, Part::Shape, &mut Watch::default())
             .expect("four pins hold the chain");
-        shape.refined_into(&[], &workload.targets, &mut points).expect("the same chain");
+        shape.refined_into(None, &workload.targets, &mut points).expect("the same chain");
         for ((path, sample), value) in expected {
             let error = (points[path][sample] - value).norm();
             assert!(error < INPUT_ROUNDING, "{name:?}: sample {sample} of path {path} is off by {error:e}");

@@ -4,7 +4,7 @@ use cotillion_solvers::workload::Workload;
 use cotillion_solvers::{Bent, Compliance, ComplianceFactor, KktError, PointRow, SpringPath, c64};
 use rayon::prelude::*;
 
-use super::measure::{MANY_SAMPLES, Part, Phase, Solver, Watch};
+use super::measure::{MANY_SAMPLES, Part, Phase, Solver, Steps, Watch};
 
 /// Shape or scale system over the rows.
 pub(super) struct Springs {
@@ -40,7 +40,7 @@ impl Solver for Springs {
 
     fn solve_into(
         &mut self,
-        steps: &[Vec<c64>],
+        steps: Option<Steps<'_>>,
         targets: &[c64],
         points: &mut [Vec<c64>],
         watch: &mut Watch,
@@ -48,8 +48,8 @@ impl Solver for Springs {
         let Self { problem, factor, bent, rows, targets: own } = self;
         watch.lap(Phase::Solve, || {
             own[..targets.len()].copy_from_slice(targets);
-            if !steps.is_empty() {
-                for_each(points, |path, points| walk(&steps[path], points));
+            if let Some(steps) = steps {
+                for_each(points, |path, points| walk(steps, path, points));
             }
             for (deviation, row) in own.iter_mut().zip(rows.iter()) {
                 *deviation -= row.terms.iter().map(|(path, j, c)| c * points[*path][*j]).sum::<c64>();
@@ -57,8 +57,8 @@ impl Solver for Springs {
             bent.solve(problem, factor, own)
         })?;
         watch.lap(Phase::Expand, || match steps {
-            [] => for_each(points, |path, points| bent.expand(problem, path, |j, x, _| points[j] = x)),
-            _ => for_each(points, |path, points| bent.expand(problem, path, |j, x, _| points[j] += x)),
+            None => for_each(points, |path, points| bent.expand(problem, path, |j, x, _| points[j] = x)),
+            Some(_) => for_each(points, |path, points| bent.expand(problem, path, |j, x, _| points[j] += x)),
         });
         Ok(())
     }
@@ -88,10 +88,14 @@ fn first_steps(workload: &Workload) -> Vec<PointRow<c64>> {
 }
 
 /// The path of these steps from 0.
-fn walk(steps: &[c64], points: &mut [c64]) {
-    points[0] = c64::default();
-    for (i, step) in steps.iter().enumerate() {
-        points[i + 1] = points[i] + step;
+fn walk(steps: Steps<'_>, path: usize, points: &mut [c64]) {
+    let (first, others) = points.split_first_mut().expect("a path has points");
+    *first = c64::default();
+    steps.write(path, others);
+    let mut at = *first;
+    for point in others {
+        at += *point;
+        *point = at;
     }
 }
 

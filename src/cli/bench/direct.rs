@@ -8,8 +8,7 @@ use cotillion_solvers::{
     c64,
 };
 
-use super::measure::{Part, Phase, Solver, Watch};
-use super::stands::StandRows;
+use super::measure::{Part, Phase, Solver, Steps, Watch};
 
 /// How complex rows and targets are written in numbers of this type.
 pub(super) trait Coefficient: Scalar {
@@ -66,7 +65,10 @@ pub(super) struct Direct<T> {
     bending: Vec<Vec<Range<usize>>>,
     /// Root of the weight of each row of the workload; none if it is hard.
     weights: Vec<Option<f64>>,
-    stands: StandRows,
+    /// Hard rows of the stands, which go before those of the workload.
+    stand_rows: usize,
+    /// Steps of one path.
+    steps: Vec<c64>,
 }
 
 /// Time system over all frames.
@@ -82,16 +84,16 @@ impl<T: Coefficient> Solver for Direct<T> {
     fn prepare(workload: &Workload, part: Part, watch: &mut Watch) -> Result<Self, KktError> {
         let (problem, bending, stands) = watch.lap(Phase::Assemble, || {
             let bending: Vec<_> = (0..workload.paths.len()).map(|path| workload.bending(path)).collect();
-            let stands = StandRows::new(workload, part);
-            (spatial_problem::<T>(workload, &bending, (&stands.rows, part)), bending, stands)
+            let stands = part.stand_rows(workload);
+            (spatial_problem::<T>(workload, &bending, (&stands, part)), bending, stands)
         });
-        let weights = roots(&workload.rows);
-        Ok(Self { full: Full::new(problem, watch)?, bending, weights, stands })
+        let (weights, stand_rows) = (roots(&workload.rows), stands.len());
+        Ok(Self { full: Full::new(problem, watch)?, bending, weights, stand_rows, steps: Vec::new() })
     }
 
     fn solve_into(
         &mut self,
-        steps: &[Vec<c64>],
+        steps: Option<Steps<'_>>,
         targets: &[c64],
         points: &mut [Vec<c64>],
         watch: &mut Watch,
@@ -109,7 +111,7 @@ impl<T: Coefficient> Direct<T> {
     /// [`Solver::solve_into`] with residuals in twice the digits, untimed.
     pub(super) fn refined_into(
         &mut self,
-        steps: &[Vec<c64>],
+        steps: Option<Steps<'_>>,
         targets: &[c64],
         points: &mut [Vec<c64>],
     ) -> Result<(), KktError> {
@@ -120,23 +122,44 @@ impl<T: Coefficient> Direct<T> {
         Ok(())
     }
 
-    fn fill(&mut self, steps: &[Vec<c64>], targets: &[c64]) {
-        let Full { m, h, .. } = &mut self.full;
-        m.clear();
-        h.clear();
-        for (path, bending) in self.bending.iter().enumerate() {
-            for i in bending.iter().flat_map(Range::clone) {
-                let bend = steps.get(path).map_or(c64::default(), |steps| steps[i] - steps[i - 1]);
-                T::push_target(m, bend);
-            }
+    fn fill(&mut self, steps: Option<Steps<'_>>, targets: &[c64]) {
+        match steps {
+            Some(steps) => self.fill_steps(steps),
+            None => self.fill_zeros(),
         }
+        let Full { m, h, .. } = &mut self.full;
         for (target, root) in targets.iter().zip(&self.weights) {
             match root {
                 Some(root) => T::push_target(m, target * root),
                 None => T::push_target(h, *target),
             }
         }
-        self.stands.visit_targets(steps, |target| T::push_target(h, target));
+    }
+
+    /// Targets of the soft rows within the paths, and of the stands.
+    fn fill_steps(&mut self, steps: Steps<'_>) {
+        let Full { m, h, .. } = &mut self.full;
+        m.clear();
+        h.clear();
+        for (path, bending) in self.bending.iter().enumerate() {
+            self.steps.resize(steps.workload.paths[path].len() - 1, c64::default());
+            steps.write(path, &mut self.steps);
+            for i in bending.iter().flat_map(Range::clone) {
+                T::push_target(m, self.steps[i] - self.steps[i - 1]);
+            }
+            for (_, first, last) in steps.workload.stands_of(path) {
+                self.steps[*first..*last].iter().for_each(|step| T::push_target(h, *step));
+            }
+        }
+    }
+
+    fn fill_zeros(&mut self) {
+        let Full { m, h, .. } = &mut self.full;
+        m.clear();
+        h.clear();
+        let bending: usize = self.bending.iter().flatten().map(Range::len).sum();
+        m.resize(bending * T::PER_POINT, T::default());
+        h.resize(self.stand_rows * T::PER_POINT, T::default());
     }
 
     fn read(&self, points: &mut [Vec<c64>]) {
@@ -158,7 +181,7 @@ impl Solver for DirectTime {
 
     fn solve_into(
         &mut self,
-        _: &[Vec<c64>],
+        _: Option<Steps<'_>>,
         targets: &[f64],
         times: &mut [Vec<f64>],
         watch: &mut Watch,
@@ -232,7 +255,7 @@ fn spatial_problem<T: Coefficient>(
             T::push_row(&mut soft, &[(at - 1, before), (at, own), (at + 1, after)]);
         }
     }
-    for row in workload.rows.iter().chain(stands) {
+    for row in stands.iter().chain(&workload.rows) {
         let terms = weighted_terms(row, &starts);
         T::push_row(if row.weight.is_some() { &mut soft } else { &mut hard }, &terms);
     }
@@ -292,8 +315,11 @@ const MOST_CORRECTIONS: usize = 2;
 impl<T: Scalar> Full<T> {
     fn new(problem: LeastSquares<T>, watch: &mut Watch) -> Result<Self, KktError> {
         let analysis = watch.lap(Phase::Analyse, || analyse(&problem, KktForm::Hachtel))?;
-        let factor = watch.lap(Phase::Factor, || analysis.factor(&problem))?;
-        let workspace = factor.workspace();
+        let (factor, workspace) = watch.lap(Phase::Factor, || {
+            let factor = analysis.factor(&problem)?;
+            let workspace = factor.workspace();
+            Ok((factor, workspace))
+        })?;
         let x = vec![T::default(); problem.columns];
         Ok(Self { problem, factor, workspace, m: Vec::new(), h: Vec::new(), x })
     }

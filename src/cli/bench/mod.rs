@@ -8,7 +8,6 @@ mod elsewhere;
 mod measure;
 mod names;
 mod plot;
-mod stands;
 mod table;
 
 use std::path::{Path, PathBuf};
