@@ -8,7 +8,7 @@ use super::chain::{Chain, Network};
 use super::compliance::Springs;
 use super::direct::{Direct, DirectTime};
 use super::measure::{
-    Edited, Lap, Part, Phase, Rig, Solver, Steps, Watch, cold, drag, median_lap, passes, repeated,
+    Edited, Lap, Part, Phase, Rig, Solver, Steps, Watch, cold, drag, least_ms, median_lap, passes, repeated,
 };
 use super::names::{Backend, Mode, System, WorkloadName};
 
@@ -32,6 +32,8 @@ pub(super) struct Row {
     pub(super) threads: usize,
     /// Median of the repetitions, milliseconds; none if nothing was measured.
     pub(super) ms: Option<f64>,
+    /// Milliseconds of the fastest repetition: what a shared machine disturbed least.
+    pub(super) least_ms: Option<f64>,
     /// Phases of the median repetition.
     pub(super) phases_ms: Option<PhaseTimes>,
     pub(super) repetitions: usize,
@@ -103,6 +105,7 @@ pub(super) fn measure(case: Case, repetitions: Option<usize>) -> Result<Vec<Row>
         let phase = |phase: Phase| passes(mode, phase).then(|| watch.0[phase as usize]);
         Row {
             ms: Some(watch.total()),
+            least_ms: least_ms(laps, system),
             phases_ms: Some(PhaseTimes {
                 assemble: phase(Phase::Assemble),
                 analyse: phase(Phase::Analyse),
@@ -134,6 +137,7 @@ pub(super) fn unmeasured(
         mode,
         threads,
         ms: None,
+        least_ms: None,
         phases_ms: None,
         repetitions: 0,
         max_error: None,

@@ -201,7 +201,7 @@ fn rotation(turn: c64) -> c64 {
 }
 
 /// Least and most repetitions, unless a number is given.
-const REPETITIONS: (usize, usize) = (3, 1000);
+const REPETITIONS: (usize, usize) = (5, 1000);
 /// Repetitions go on for so long.
 const ENOUGH_SECONDS: f64 = 0.5;
 
@@ -230,6 +230,11 @@ pub(super) fn median_lap(laps: &[Lap], system: System) -> Watch {
     let mut watches: Vec<Watch> = laps.iter().map(|lap| watch_of(lap, system)).collect();
     watches.sort_by(|a, b| a.total().total_cmp(&b.total()));
     watches.get(watches.len().saturating_sub(1) / 2).copied().unwrap_or_default()
+}
+
+/// Milliseconds of the fastest repetition.
+pub(super) fn least_ms(laps: &[Lap], system: System) -> Option<f64> {
+    laps.iter().map(|lap| watch_of(lap, system).total()).min_by(f64::total_cmp)
 }
 
 fn watch_of(lap: &Lap, system: System) -> Watch {
@@ -262,6 +267,7 @@ mod tests {
         assert_eq!(median_lap(&laps, System::Shape).0, [1.0, 0.0, 0.0, 3.0, 0.0]);
         assert_eq!(median_lap(&laps, System::All).total(), 4.0);
         assert_eq!(median_lap(&laps, System::Time).total(), 0.0);
+        assert_eq!(least_ms(&laps, System::All), Some(2.0));
     }
 
     #[test]
