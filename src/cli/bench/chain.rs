@@ -8,7 +8,7 @@ use cotillion_solvers::{
 };
 use rayon::prelude::*;
 
-use super::measure::{MANY_SAMPLES, Part, Phase, Solver, Steps, Watch};
+use super::measure::{MANY_SAMPLES, Part, Phase, Solver, Steps, Watch, map_paths};
 
 /// Shape or scale system over the constrained points.
 pub(super) struct Chain {
@@ -27,7 +27,7 @@ impl Solver for Chain {
     fn prepare(workload: &Workload, part: Part, watch: &mut Watch) -> Result<Self, KktError> {
         let targets = if part == Part::Shape { RowTargets::Zero } else { RowTargets::PerSolve };
         let (system, rows) = watch.lap(Phase::Assemble, || {
-            let rows: Vec<Vec<ChainRow>> = workload.paths.iter().map(|path| path_rows(path, part)).collect();
+            let rows = map_paths(workload, |path| path_rows(&workload.paths[path], part));
             let point_rows = [part.stand_rows(workload), workload.rows.clone()].concat();
             Ok((ChainSystem::new(&rows, &point_rows, targets)?, point_rows.len()))
         })?;

@@ -4,7 +4,7 @@ use cotillion_solvers::workload::Workload;
 use cotillion_solvers::{Bent, Compliance, ComplianceFactor, KktError, PointRow, SpringPath, c64};
 use rayon::prelude::*;
 
-use super::measure::{MANY_SAMPLES, Part, Phase, Solver, Steps, Watch};
+use super::measure::{MANY_SAMPLES, Part, Phase, Solver, Steps, Watch, map_paths};
 
 /// Shape or scale system over the rows.
 pub(super) struct Springs {
@@ -22,7 +22,7 @@ impl Solver for Springs {
 
     fn prepare(workload: &Workload, part: Part, watch: &mut Watch) -> Result<Self, KktError> {
         let (problem, rows, targets) = watch.lap(Phase::Assemble, || {
-            let paths = (0..workload.paths.len()).map(|path| spring_path(workload, path, part)).collect();
+            let paths = map_paths(workload, |path| spring_path(workload, path, part));
             let stands = if part == Part::Scale { first_steps(workload) } else { Vec::new() };
             let targets = vec![c64::default(); workload.rows.len() + stands.len()];
             let rows = if part == Part::Scale { workload.rows.clone() } else { Vec::new() };

@@ -4,6 +4,7 @@ use std::time::Instant;
 
 use cotillion_solvers::workload::Workload;
 use cotillion_solvers::{KktError, PointRow, Scalar, c64};
+use rayon::prelude::*;
 
 use super::names::{Mode, System};
 
@@ -162,6 +163,16 @@ pub(super) fn drag<S: Solver<Point = c64>, T: Solver<Point = f64>>(
     rig.scale.solve_into(Some(Steps { workload, shape }), targets, scale, &mut laps[1])?;
     rig.time.solve_into(None, time_targets, times, &mut laps[2])?;
     Ok(laps)
+}
+
+/// `make` of every path, on all threads where there is enough to do.
+pub(super) fn map_paths<T: Send>(workload: &Workload, make: impl Fn(usize) -> T + Send + Sync) -> Vec<T> {
+    let count = workload.paths.len();
+    if workload.samples() > MANY_SAMPLES {
+        (0..count).into_par_iter().with_min_len(16).map(make).collect()
+    } else {
+        (0..count).map(make).collect()
+    }
 }
 
 /// Steps of the rest paths, turned as the shape phase turned them: `v z / |z|` with `z = v̄ / v`; a stand turns as a whole. A
