@@ -27,20 +27,12 @@ fn text<'a>(row: &'a Value, key: &str) -> &'a str {
     row[key].as_str().unwrap_or_else(|| panic!("{key} of {row}"))
 }
 
-#[test]
-fn every_case_of_the_quick_round_is_measured_and_right() {
-    let rows = rows(&bench(&["--quick", "--threads", "1", "--json", "--repetitions", "1"]));
-    let count = |key: &str, value: &str| rows.iter().filter(|row| text(row, key) == value).count();
-    for workload in ["relay-chain-10", "relay-chain-78", "high-five"] {
-        assert_eq!(count("workload", workload), rows.len() / 3);
-    }
-    for system in ["shape", "scale", "time", "all"] {
-        assert_eq!(count("system", system), rows.len() / 4);
-    }
-    assert_eq!(count("mode", "cold"), rows.len() / 2);
-    assert!(count("backend", "direct-complex") > 0 && count("backend", "direct-real") > 0);
+/// Rows of one repetition on one thread, all measured and right.
+fn right_rows(cases: &[&str]) -> Vec<Value> {
+    let rows = rows(&bench(&[&["--threads", "1", "--json", "--repetitions", "1"], cases].concat()));
     for row in &rows {
-        assert!(row["ms"].as_f64().is_some_and(|ms| ms > 0.0), "{row}");
+        let (ms, least) = (row["ms"].as_f64(), row["least_ms"].as_f64());
+        assert!(least.is_some_and(|ms| ms > 0.0) && ms == least, "{row}");
         assert!(row["max_error"].as_f64().is_some_and(|error| error < CLAIMED_ERROR), "{row}");
         assert!(row["characters"].is_u64() && row["frames"].is_u64(), "{row}");
         assert!(row["note"].is_null(), "{row}");
@@ -51,11 +43,35 @@ fn every_case_of_the_quick_round_is_measured_and_right() {
             "{row}"
         );
     }
+    rows
+}
+
+#[test]
+fn every_back_end_agrees_with_the_reference() {
+    let rows = right_rows(&["--workload", "relay-chain-10,high-five"]);
+    let count = |key: &str, value: &str| rows.iter().filter(|row| text(row, key) == value).count();
+    for workload in ["relay-chain-10", "high-five"] {
+        assert_eq!(count("workload", workload), rows.len() / 2);
+    }
+    for system in ["shape", "scale", "time", "all"] {
+        assert_eq!(count("system", system), rows.len() / 4);
+    }
+    for backend in ["direct-real", "direct-complex", "chain", "compliance"] {
+        assert_eq!(count("backend", backend), rows.len() / 4);
+    }
+    assert_eq!(count("mode", "cold"), rows.len() / 2);
+}
+
+#[test]
+fn default_back_end_keeps_its_accuracy_on_a_long_chain() {
+    assert_eq!(right_rows(&["--workload", "relay-chain-78", "--backend", "compliance"]).len(), 8);
 }
 
 #[test]
 fn phases_add_up_and_a_drag_reuses_the_factor() {
-    let rows = rows(&bench(&["--workload", "high-five", "--threads", "1,2", "--json", "--repetitions", "3"]));
+    let arguments = ["--workload", "high-five", "--backend", "direct-complex", "compliance"];
+    let rows =
+        rows(&bench(&[&arguments[..], &["--threads", "1,2", "--json", "--repetitions", "3"]].concat()));
     assert_eq!(rows.iter().filter(|row| row["threads"] == 2).count(), rows.len() / 2);
     for row in rows {
         let phases = row["phases_ms"].as_object().expect("phases");
@@ -98,7 +114,8 @@ fn folder_gets_measurements_and_their_plot() {
     let home = tempfile::tempdir().expect("a temporary folder");
     let folder = home.path().join("new");
     let path = folder.to_str().expect("a plain path");
-    let output = bench(&["--workload", "chair", "--threads", "1", "--repetitions", "1", "-o", path]);
+    let case = ["--workload", "chair", "--backend", "direct-complex", "--threads", "1"];
+    let output = bench(&[&case[..], &["--repetitions", "1", "-o", path]].concat());
     assert!(output.status.success(), "{}", stderr(&output));
     let table = String::from_utf8_lossy(&output.stdout).into_owned();
     assert!(table.contains("3 characters, 885 frames") && table.contains("80.2 ms"), "{table}");

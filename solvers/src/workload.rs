@@ -1,5 +1,7 @@
 //! Synthetic problems of known size and known answers, for benchmarks, tests and comparisons with other solvers.
 
+use std::ops::Range;
+
 use crate::c64;
 use crate::points::PointRow;
 
@@ -10,6 +12,8 @@ pub use published::{CharacterCounts, PUBLISHED_SCENES, PublishedScene, published
 /// Seconds between samples at rest.
 pub const STEP: f64 = 1.0 / 30.0;
 
+const ONE: c64 = c64::new(1.0, 0.0);
+
 /// Paths, rows on their points and rows on their times: what every back end is given.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Workload {
@@ -17,6 +21,10 @@ pub struct Workload {
     pub name: String,
     /// Rest paths, metres.
     pub paths: Vec<Vec<c64>>,
+    /// Stretches that stay as they are: path, first and last sample; rising, none shares a step with another. In the shape
+    /// phase each keeps its shape up to a similarity ([`shape_stand_rows`](Self::shape_stand_rows)), in the scale phase its
+    /// steps, turned as a whole ([`scale_stand_rows`](Self::scale_stand_rows)).
+    pub stands: Vec<(usize, usize, usize)>,
     /// Rows on points, the same in both phases.
     pub rows: Vec<PointRow<c64>>,
     /// One target for each of `rows`.
@@ -33,6 +41,43 @@ impl Workload {
     /// Samples of all paths.
     pub fn samples(&self) -> usize {
         self.paths.iter().map(Vec::len).sum()
+    }
+
+    /// Stands of one path.
+    pub fn stands_of(&self, path: usize) -> &[(usize, usize, usize)] {
+        let before = |path: usize| self.stands.partition_point(|stand| stand.0 < path);
+        &self.stands[before(path)..before(path + 1)]
+    }
+
+    /// Samples of a path whose neighbours bend it: all but its ends and those strictly inside a stand.
+    pub fn bending(&self, path: usize) -> Vec<Range<usize>> {
+        let end = self.paths[path].len().saturating_sub(1);
+        let mut bending = Vec::new();
+        let mut start = 1;
+        for (_, first, last) in self.stands_of(path) {
+            bending.push(start..first + 1);
+            start = *last;
+        }
+        bending.push(start.max(1)..end);
+        bending
+    }
+
+    /// Hard rows of the stands in the shape phase, targets 0: at each sample q strictly inside,
+    /// `p_q − (1 − z) p_{q−1} − z p_{q+1}` with `z = (p⁰_q − p⁰_{q−1}) / (p⁰_{q+1} − p⁰_{q−1})`.
+    pub fn shape_stand_rows(&self) -> Vec<PointRow<c64>> {
+        let row = |k: usize, q: usize| {
+            let rest = &self.paths[k];
+            let z = (rest[q] - rest[q - 1]) / (rest[q + 1] - rest[q - 1]);
+            PointRow::hard(vec![(k, q - 1, z - ONE), (k, q, ONE), (k, q + 1, -z)])
+        };
+        self.stands.iter().flat_map(|&(k, first, last)| (first + 1..last).map(move |q| row(k, q))).collect()
+    }
+
+    /// Hard rows of the stands in the scale phase: each step `p_{q+1} − p_q`. Targets: the steps at rest, turned as the shape
+    /// phase turned the stand.
+    pub fn scale_stand_rows(&self) -> Vec<PointRow<c64>> {
+        let row = |k: usize, q: usize| PointRow::hard(vec![(k, q + 1, ONE), (k, q, -ONE)]);
+        self.stands.iter().flat_map(|&(k, first, last)| (first..last).map(move |q| row(k, q))).collect()
     }
 
     /// Targets after drag step `step`: the handle goes round in a circle of 0.1 m, and its time with it.
@@ -53,7 +98,6 @@ pub const CHAIN_SAMPLES: usize = 200;
 /// Times: everybody meets the next at the same samples, and the ends are drawn apart by two seconds.
 pub fn relay_chain(characters: usize) -> Workload {
     let n = CHAIN_SAMPLES;
-    let one = c64::new(1.0, 0.0);
     let paths: Vec<Vec<c64>> = (0..characters).map(|c| chain_path(c as f64)).collect();
     let last = characters - 1;
     let pins = [
@@ -64,8 +108,9 @@ pub fn relay_chain(characters: usize) -> Workload {
     ];
     let mut workload = Workload {
         name: format!("relay chain {characters}"),
-        rows: pins.iter().map(|(c, i, _)| PointRow::soft(vec![(*c, *i, one)], 1.0)).collect(),
+        rows: pins.iter().map(|(c, i, _)| PointRow::soft(vec![(*c, *i, ONE)], 1.0)).collect(),
         targets: pins.iter().map(|(c, i, offset)| paths[*c][*i] + offset).collect(),
+        stands: Vec::new(),
         time_rows: vec![
             PointRow::soft(vec![(0, 0, 1.0)], 1.0),
             PointRow::soft(vec![(last, n - 1, 1.0)], 1.0),
@@ -76,8 +121,8 @@ pub fn relay_chain(characters: usize) -> Workload {
     };
     let (i, j, ahead) = (n / 4, 3 * n / 4, c64::new(0.3, 1.2));
     for c in 0..last {
-        let position = vec![(c + 1, i, one), (c, j, -one), (c, j + 1, -ahead), (c, j - 1, ahead)];
-        let direction = vec![(c + 1, i + 1, one), (c + 1, i - 1, -one), (c, j + 1, one), (c, j - 1, -one)];
+        let position = vec![(c + 1, i, ONE), (c, j, -ONE), (c, j + 1, -ahead), (c, j - 1, ahead)];
+        let direction = vec![(c + 1, i + 1, ONE), (c + 1, i - 1, -ONE), (c, j + 1, ONE), (c, j - 1, -ONE)];
         workload.rows.extend([PointRow::hard(position), PointRow::hard(direction)]);
         workload.targets.extend([c64::default(); 2]);
         workload.time_rows.push(PointRow::hard(vec![(c + 1, i, 1.0), (c, j, -1.0)]));

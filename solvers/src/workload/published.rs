@@ -1,8 +1,8 @@
 //! The five scenes of the paper's Table 1 as workloads: its counts of frames and rows, on synthetic paths.
 
-use super::{STEP, Workload};
+use super::{ONE, STEP, Workload};
 use crate::c64;
-use crate::points::{PointRow, PointTerm};
+use crate::points::PointRow;
 use std::f64::consts::TAU;
 
 /// Counts of one character of a scene.
@@ -12,7 +12,7 @@ pub struct CharacterCounts {
     pub samples: usize,
     /// Soft rows on its path.
     pub soft_rows: usize,
-    /// Hard rows on its path, all of them from stationary stretches.
+    /// Hard rows on its path in the shape phase, all of them from stationary stretches: two fewer than each has samples.
     pub hard_rows: usize,
 }
 
@@ -124,14 +124,14 @@ const DELAY: f64 = 1.0;
 /// meet their neighbours.
 ///
 /// Rows on each path: pins of its ends; positions and directions relative to the next character (the last one: the
-/// one before), spread over the walking samples; one more pin if the count is odd; a hard shape row on every inner sample of
-/// a stand. The last character's end is drawn away by 2.2 m. Times: neighbours meet at one moment each, and the end of
+/// one before), spread over the walking samples; one more pin if the count is odd. The last character's end is drawn away by 2.2 m. Times: neighbours meet at one moment each, and the end of
 /// the last is drawn out by a second.
 pub fn published_scene(scene: &PublishedScene) -> Workload {
     let actors: Vec<Actor> = scene.characters.iter().enumerate().map(|(k, own)| Actor::new(k, own)).collect();
     let mut workload = Workload {
         name: scene.name.to_owned(),
         paths: actors.iter().map(|actor| actor.path.clone()).collect(),
+        stands: Vec::new(),
         rows: Vec::new(),
         targets: Vec::new(),
         time_rows: Vec::new(),
@@ -141,7 +141,7 @@ pub fn published_scene(scene: &PublishedScene) -> Workload {
     let last = actors.len() - 1;
     for k in 0..=last {
         push_soft_rows(&mut workload, &actors, (k, scene.characters[k].soft_rows));
-        push_stands(&mut workload, &actors[k], k);
+        workload.stands.extend(actors[k].stands.iter().map(|(first, last)| (k, *first, *last)));
         if k < last {
             push_meeting(&mut workload, &actors, k);
         }
@@ -212,8 +212,6 @@ fn walk(index: usize, samples: usize, stands: &[(usize, usize)]) -> Vec<c64> {
     path
 }
 
-const ONE: c64 = c64::new(1.0, 0.0);
-
 fn push_soft_rows(workload: &mut Workload, actors: &[Actor], (k, count): (usize, usize)) {
     let (own, last) = (&actors[k], actors.len() - 1);
     let end = own.path.len() - 1;
@@ -251,22 +249,6 @@ fn push_relative(workload: &mut Workload, (k, i): (usize, usize), (l, j): (usize
     workload.targets.extend([c64::default(); 2]);
 }
 
-/// The shape of every stand must hold.
-fn push_stands(workload: &mut Workload, actor: &Actor, k: usize) {
-    for &(first, last) in &actor.stands {
-        for i in first + 1..last {
-            workload.rows.push(PointRow::hard(shape_terms(&actor.path, k, i)));
-            workload.targets.push(c64::default());
-        }
-    }
-}
-
-/// `p_i − (1 − z) p_{i−1} − z p_{i+1}` with `z = (p⁰_i − p⁰_{i−1}) / (p⁰_{i+1} − p⁰_{i−1})`.
-fn shape_terms(rest: &[c64], k: usize, i: usize) -> Vec<PointTerm<c64>> {
-    let z = (rest[i] - rest[i - 1]) / (rest[i + 1] - rest[i - 1]);
-    vec![(k, i - 1, z - ONE), (k, i, ONE), (k, i + 1, -z)]
-}
-
 /// Character k meets the next one at a moment in the middle.
 fn push_meeting(workload: &mut Workload, actors: &[Actor], k: usize) {
     let i = actors[k].walking_near(actors[k].path.len() / 2);
@@ -290,9 +272,14 @@ mod tests {
     use super::*;
     use crate::{RowMatrix, analyse_rank};
 
-    fn rows_of(workload: &Workload, path: usize, hard: bool) -> usize {
-        let own = |row: &&PointRow<c64>| row.terms[0].0 == path && row.weight.is_none() == hard;
-        workload.rows.iter().filter(own).count()
+    fn soft_rows_of(workload: &Workload, path: usize) -> usize {
+        workload.rows.iter().filter(|row| row.terms[0].0 == path && row.weight.is_some()).count()
+    }
+
+    /// Hard rows of the shape phase, as a method without stands would have them.
+    fn hard_rows(workload: &Workload) -> Vec<PointRow<c64>> {
+        let own = workload.rows.iter().filter(|row| row.weight.is_none()).cloned();
+        own.chain(workload.shape_stand_rows()).collect()
     }
 
     #[test]
@@ -303,7 +290,8 @@ mod tests {
             assert_eq!(workload.paths.len(), scene.characters.len());
             for (k, counts) in scene.characters.iter().enumerate() {
                 let path = workload.paths[k].len();
-                let found = (path, rows_of(&workload, k, false), rows_of(&workload, k, true));
+                let hard = hard_rows(&workload).iter().filter(|row| row.terms[0].0 == k).count();
+                let found = (path, soft_rows_of(&workload, k), hard);
                 let expected = (counts.samples, counts.soft_rows, counts.hard_rows);
                 assert_eq!(found, expected, "{}, character {k}", scene.name);
             }
@@ -311,17 +299,33 @@ mod tests {
         }
     }
 
+    fn are_independent(workload: &Workload, rows: &[PointRow<c64>]) -> bool {
+        let longest = workload.paths.iter().map(Vec::len).max().unwrap_or(0);
+        let mut hard = RowMatrix::new(longest * workload.paths.len());
+        for row in rows {
+            let terms: Vec<_> = row.terms.iter().map(|&(k, i, a)| (k * longest + i, a)).collect();
+            hard.push_row(&terms);
+        }
+        analyse_rank(&hard.to_csr()).dependent.is_empty()
+    }
+
     #[test]
     fn hard_rows_are_independent() {
         for scene in &PUBLISHED_SCENES {
             let workload = published_scene(scene);
-            let longest = workload.paths.iter().map(Vec::len).max().unwrap_or(0);
-            let mut hard = RowMatrix::new(longest * workload.paths.len());
-            for row in workload.rows.iter().filter(|row| row.weight.is_none()) {
-                let terms: Vec<_> = row.terms.iter().map(|&(k, i, a)| (k * longest + i, a)).collect();
-                hard.push_row(&terms);
+            assert!(are_independent(&workload, &hard_rows(&workload)), "{}", scene.name);
+            assert!(are_independent(&workload, &workload.scale_stand_rows()), "{}", scene.name);
+        }
+    }
+
+    #[test]
+    fn stands_bend_at_their_ends_only() {
+        for scene in &PUBLISHED_SCENES {
+            let workload = published_scene(scene);
+            for (k, counts) in scene.characters.iter().enumerate() {
+                let bending: usize = workload.bending(k).into_iter().map(|range| range.len()).sum();
+                assert_eq!(bending, counts.samples - 2 - counts.hard_rows, "{}, character {k}", scene.name);
             }
-            assert!(analyse_rank(&hard.to_csr()).dependent.is_empty(), "{}", scene.name);
         }
     }
 

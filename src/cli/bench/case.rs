@@ -8,7 +8,7 @@ use super::chain::{Chain, Network};
 use super::compliance::Springs;
 use super::direct::{Direct, DirectTime};
 use super::measure::{
-    Edited, Lap, Part, Phase, Rig, Solver, Watch, cold, drag, median_lap, passes, repeated, scaled_steps,
+    Edited, Lap, Part, Phase, Rig, Solver, Steps, Watch, cold, drag, least_ms, median_lap, passes, repeated,
 };
 use super::names::{Backend, Mode, System, WorkloadName};
 
@@ -32,6 +32,8 @@ pub(super) struct Row {
     pub(super) threads: usize,
     /// Median of the repetitions, milliseconds; none if nothing was measured.
     pub(super) ms: Option<f64>,
+    /// Milliseconds of the fastest repetition: what a shared machine disturbed least.
+    pub(super) least_ms: Option<f64>,
     /// Phases of the median repetition.
     pub(super) phases_ms: Option<PhaseTimes>,
     pub(super) repetitions: usize,
@@ -103,6 +105,7 @@ pub(super) fn measure(case: Case, repetitions: Option<usize>) -> Result<Vec<Row>
         let phase = |phase: Phase| passes(mode, phase).then(|| watch.0[phase as usize]);
         Row {
             ms: Some(watch.total()),
+            least_ms: least_ms(laps, system),
             phases_ms: Some(PhaseTimes {
                 assemble: phase(Phase::Assemble),
                 analyse: phase(Phase::Analyse),
@@ -134,6 +137,7 @@ pub(super) fn unmeasured(
         mode,
         threads,
         ms: None,
+        least_ms: None,
         phases_ms: None,
         repetitions: 0,
         max_error: None,
@@ -189,9 +193,9 @@ pub(super) fn reference(workload: &Workload) -> Result<[Edited; 2], KktError> {
     let mut time = DirectTime::prepare(workload, Part::Time, watch)?;
     let mut refined = |(targets, times): (Vec<c64>, Vec<f64>)| {
         let mut edited = Edited::room(workload);
-        shape.refined_into(&[], &targets, &mut edited.shape)?;
-        scaled_steps(&workload.paths, &edited.shape, &mut edited.steps);
-        scale.refined_into(&edited.steps, &targets, &mut edited.scale)?;
+        shape.refined_into(None, &targets, &mut edited.shape)?;
+        let steps = Steps { workload, shape: &edited.shape };
+        scale.refined_into(Some(steps), &targets, &mut edited.scale)?;
         time.refined_into(&times, &mut edited.times)?;
         Ok(edited)
     };
@@ -223,7 +227,7 @@ mod tests {
         let mut points = workload.paths.clone();
         let mut shape = Direct::<c64>::prepare(&workload, Part::Shape, &mut Watch::default())
             .expect("four pins hold the chain");
-        shape.refined_into(&[], &workload.targets, &mut points).expect("the same chain");
+        shape.refined_into(None, &workload.targets, &mut points).expect("the same chain");
         for ((path, sample), value) in expected {
             let error = (points[path][sample] - value).norm();
             assert!(error < INPUT_ROUNDING, "{name:?}: sample {sample} of path {path} is off by {error:e}");

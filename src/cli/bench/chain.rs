@@ -6,8 +6,9 @@ use cotillion_solvers::{
     ChainRow, ChainSystem, ChainWorkspace, Factor, KktError, KktForm, Knots, RowTargets, Track, Workspace,
     analyse, c64, shape_rows,
 };
+use rayon::prelude::*;
 
-use super::measure::{Part, Phase, Solver, Watch};
+use super::measure::{MANY_SAMPLES, Part, Phase, Solver, Steps, Watch, map_paths};
 
 /// Shape or scale system over the constrained points.
 pub(super) struct Chain {
@@ -16,6 +17,8 @@ pub(super) struct Chain {
     workspace: ChainWorkspace,
     /// Targets of the second differences.
     bends: Vec<Vec<c64>>,
+    /// Targets of the rows of the stands, then of those of the workload.
+    targets: Vec<c64>,
 }
 
 impl Solver for Chain {
@@ -23,37 +26,74 @@ impl Solver for Chain {
 
     fn prepare(workload: &Workload, part: Part, watch: &mut Watch) -> Result<Self, KktError> {
         let targets = if part == Part::Shape { RowTargets::Zero } else { RowTargets::PerSolve };
-        let system = watch.lap(Phase::Assemble, || {
-            let rows: Vec<Vec<ChainRow>> = workload.paths.iter().map(|path| path_rows(path, part)).collect();
-            ChainSystem::new(&rows, &workload.rows, targets)
+        let (system, rows) = watch.lap(Phase::Assemble, || {
+            let rows = map_paths(workload, |path| path_rows(&workload.paths[path], part));
+            let point_rows = [part.stand_rows(workload), workload.rows.clone()].concat();
+            Ok((ChainSystem::new(&rows, &point_rows, targets)?, point_rows.len()))
         })?;
         let analysis = watch.lap(Phase::Analyse, || analyse(system.problem(), KktForm::Hachtel))?;
-        let factor = watch.lap(Phase::Factor, || analysis.factor(system.problem()))?;
-        let workspace = system.workspace(&factor);
+        let (factor, workspace) = watch.lap(Phase::Factor, || {
+            let factor = analysis.factor(system.problem())?;
+            let workspace = system.workspace(&factor);
+            Ok((factor, workspace))
+        })?;
         let bends = match targets {
             RowTargets::Zero => Vec::new(),
             RowTargets::PerSolve => {
                 workload.paths.iter().map(|path| vec![c64::default(); path.len() - 2]).collect()
             }
         };
-        Ok(Self { system, factor, workspace, bends })
+        Ok(Self { system, factor, workspace, bends, targets: vec![c64::default(); rows] })
     }
 
     fn solve_into(
         &mut self,
-        steps: &[Vec<c64>],
+        steps: Option<Steps<'_>>,
         targets: &[c64],
         points: &mut [Vec<c64>],
         watch: &mut Watch,
     ) -> Result<(), KktError> {
         watch.lap(Phase::Solve, || {
-            for (bends, steps) in self.bends.iter_mut().zip(steps) {
-                let differences = steps.windows(2).map(|pair| pair[1] - pair[0]);
-                bends.iter_mut().zip(differences).for_each(|(bend, difference)| *bend = difference);
+            let stands = self.targets.len() - targets.len();
+            let (stands, own) = self.targets.split_at_mut(stands);
+            own.copy_from_slice(targets);
+            if let Some(steps) = steps {
+                write_bends(steps, &mut self.bends);
+                write_stands(steps, stands);
             }
-            self.system.solve_into(&self.factor, targets, &self.bends, &mut self.workspace)
+            self.system.solve_into(&self.factor, &self.targets, &self.bends, &mut self.workspace)
         })?;
         watch.lap(Phase::Expand, || self.system.expand(&self.workspace, points))
+    }
+}
+
+/// Second differences of the steps of all paths.
+fn write_bends(steps: Steps<'_>, bends: &mut [Vec<c64>]) {
+    let write = |own: &mut Vec<c64>, (path, bends): (usize, &mut Vec<c64>)| {
+        own.resize(bends.len() + 1, c64::default());
+        steps.write(path, own);
+        bends.iter_mut().zip(own.windows(2)).for_each(|(bend, pair)| *bend = pair[1] - pair[0]);
+    };
+    if bends.iter().map(Vec::len).sum::<usize>() > MANY_SAMPLES {
+        bends.par_iter_mut().enumerate().with_min_len(16).for_each_init(Vec::new, write);
+    } else {
+        let mut own = Vec::new();
+        bends.iter_mut().enumerate().for_each(|bends| write(&mut own, bends));
+    }
+}
+
+/// Steps of the stands.
+fn write_stands(steps: Steps<'_>, targets: &mut [c64]) {
+    let mut targets = targets.iter_mut();
+    let mut own = Vec::new();
+    for (path, rest) in steps.workload.paths.iter().enumerate() {
+        let stands = steps.workload.stands_of(path);
+        if !stands.is_empty() {
+            own.resize(rest.len() - 1, c64::default());
+            steps.write(path, &mut own);
+        }
+        let of_stands = stands.iter().flat_map(|(_, first, last)| &own[*first..*last]);
+        of_stands.zip(&mut targets).for_each(|(step, target)| *target = *step);
     }
 }
 
@@ -85,8 +125,11 @@ impl Solver for Network {
             solvers::Network::new(&tracks, STEP, &workload.time_rows, Knots::Touched)
         })?;
         let analysis = watch.lap(Phase::Analyse, || analyse(&network.problem, KktForm::Hachtel))?;
-        let factor = watch.lap(Phase::Factor, || analysis.factor(&network.problem))?;
-        let workspace = factor.workspace();
+        let (factor, workspace) = watch.lap(Phase::Factor, || {
+            let factor = analysis.factor(&network.problem)?;
+            let workspace = factor.workspace();
+            Ok((factor, workspace))
+        })?;
         let (m, h) = network.targets();
         let delays = vec![0.0; network.problem.columns];
         Ok(Self { network, factor, workspace, m, h, delays })
@@ -94,7 +137,7 @@ impl Solver for Network {
 
     fn solve_into(
         &mut self,
-        _: &[Vec<c64>],
+        _: Option<Steps<'_>>,
         targets: &[f64],
         times: &mut [Vec<f64>],
         watch: &mut Watch,

@@ -1,12 +1,14 @@
 //! The direct back ends: every frame an unknown, one augmented matrix, sparse LU. Also the reference all are compared with.
 
+use std::ops::Range;
+
 use cotillion_solvers::workload::{STEP, Workload};
 use cotillion_solvers::{
     CsMat, Factor, KktError, KktForm, LeastSquares, PointRow, RowMatrix, Scalar, TwoPart, Workspace, analyse,
     c64,
 };
 
-use super::measure::{Part, Phase, Solver, Watch};
+use super::measure::{Part, Phase, Solver, Steps, Watch};
 
 /// How complex rows and targets are written in numbers of this type.
 pub(super) trait Coefficient: Scalar {
@@ -59,9 +61,14 @@ impl Coefficient for f64 {
 /// Shape or scale system over all frames.
 pub(super) struct Direct<T> {
     full: Full<T>,
-    lengths: Vec<usize>,
+    /// Samples of each path that have a soft row.
+    bending: Vec<Vec<Range<usize>>>,
     /// Root of the weight of each row of the workload; none if it is hard.
     weights: Vec<Option<f64>>,
+    /// Hard rows of the stands, which go before those of the workload.
+    stand_rows: usize,
+    /// Steps of one path.
+    steps: Vec<c64>,
 }
 
 /// Time system over all frames.
@@ -75,14 +82,18 @@ impl<T: Coefficient> Solver for Direct<T> {
     type Point = c64;
 
     fn prepare(workload: &Workload, part: Part, watch: &mut Watch) -> Result<Self, KktError> {
-        let problem = watch.lap(Phase::Assemble, || spatial_problem::<T>(workload, part));
-        let weights = roots(&workload.rows);
-        Ok(Self { full: Full::new(problem, watch)?, lengths: lengths(workload), weights })
+        let (problem, bending, stands) = watch.lap(Phase::Assemble, || {
+            let bending: Vec<_> = (0..workload.paths.len()).map(|path| workload.bending(path)).collect();
+            let stands = part.stand_rows(workload);
+            (spatial_problem::<T>(workload, &bending, (&stands, part)), bending, stands)
+        });
+        let (weights, stand_rows) = (roots(&workload.rows), stands.len());
+        Ok(Self { full: Full::new(problem, watch)?, bending, weights, stand_rows, steps: Vec::new() })
     }
 
     fn solve_into(
         &mut self,
-        steps: &[Vec<c64>],
+        steps: Option<Steps<'_>>,
         targets: &[c64],
         points: &mut [Vec<c64>],
         watch: &mut Watch,
@@ -100,7 +111,7 @@ impl<T: Coefficient> Direct<T> {
     /// [`Solver::solve_into`] with residuals in twice the digits, untimed.
     pub(super) fn refined_into(
         &mut self,
-        steps: &[Vec<c64>],
+        steps: Option<Steps<'_>>,
         targets: &[c64],
         points: &mut [Vec<c64>],
     ) -> Result<(), KktError> {
@@ -111,22 +122,44 @@ impl<T: Coefficient> Direct<T> {
         Ok(())
     }
 
-    fn fill(&mut self, steps: &[Vec<c64>], targets: &[c64]) {
-        let Full { m, h, .. } = &mut self.full;
-        m.clear();
-        h.clear();
-        for (path, length) in self.lengths.iter().enumerate() {
-            for i in 1..length - 1 {
-                let bend = steps.get(path).map_or(c64::default(), |steps| steps[i] - steps[i - 1]);
-                T::push_target(m, bend);
-            }
+    fn fill(&mut self, steps: Option<Steps<'_>>, targets: &[c64]) {
+        match steps {
+            Some(steps) => self.fill_steps(steps),
+            None => self.fill_zeros(),
         }
+        let Full { m, h, .. } = &mut self.full;
         for (target, root) in targets.iter().zip(&self.weights) {
             match root {
                 Some(root) => T::push_target(m, target * root),
                 None => T::push_target(h, *target),
             }
         }
+    }
+
+    /// Targets of the soft rows within the paths, and of the stands.
+    fn fill_steps(&mut self, steps: Steps<'_>) {
+        let Full { m, h, .. } = &mut self.full;
+        m.clear();
+        h.clear();
+        for (path, bending) in self.bending.iter().enumerate() {
+            self.steps.resize(steps.workload.paths[path].len() - 1, c64::default());
+            steps.write(path, &mut self.steps);
+            for i in bending.iter().flat_map(Range::clone) {
+                T::push_target(m, self.steps[i] - self.steps[i - 1]);
+            }
+            for (_, first, last) in steps.workload.stands_of(path) {
+                self.steps[*first..*last].iter().for_each(|step| T::push_target(h, *step));
+            }
+        }
+    }
+
+    fn fill_zeros(&mut self) {
+        let Full { m, h, .. } = &mut self.full;
+        m.clear();
+        h.clear();
+        let bending: usize = self.bending.iter().flatten().map(Range::len).sum();
+        m.resize(bending * T::PER_POINT, T::default());
+        h.resize(self.stand_rows * T::PER_POINT, T::default());
     }
 
     fn read(&self, points: &mut [Vec<c64>]) {
@@ -148,7 +181,7 @@ impl Solver for DirectTime {
 
     fn solve_into(
         &mut self,
-        _: &[Vec<c64>],
+        _: Option<Steps<'_>>,
         targets: &[f64],
         times: &mut [Vec<f64>],
         watch: &mut Watch,
@@ -207,18 +240,22 @@ fn starts(workload: &Workload) -> Vec<usize> {
     workload.paths.iter().scan(0, sum).collect()
 }
 
-fn spatial_problem<T: Coefficient>(workload: &Workload, part: Part) -> LeastSquares<T> {
+fn spatial_problem<T: Coefficient>(
+    workload: &Workload,
+    bending: &[Vec<Range<usize>>],
+    (stands, part): (&[PointRow<c64>], Part),
+) -> LeastSquares<T> {
     let starts = starts(workload);
     let columns = workload.samples() * T::PER_POINT;
     let (mut soft, mut hard) = (RowMatrix::new(columns), RowMatrix::new(columns));
-    for (path, &start) in workload.paths.iter().zip(&starts) {
-        for i in 1..path.len() - 1 {
+    for ((path, &start), bending) in workload.paths.iter().zip(&starts).zip(bending) {
+        for i in bending.iter().flat_map(Range::clone) {
             let [before, own, after] = path_row(path, i, part);
             let at = start + i;
             T::push_row(&mut soft, &[(at - 1, before), (at, own), (at + 1, after)]);
         }
     }
-    for row in &workload.rows {
+    for row in stands.iter().chain(&workload.rows) {
         let terms = weighted_terms(row, &starts);
         T::push_row(if row.weight.is_some() { &mut soft } else { &mut hard }, &terms);
     }
@@ -278,8 +315,11 @@ const MOST_CORRECTIONS: usize = 2;
 impl<T: Scalar> Full<T> {
     fn new(problem: LeastSquares<T>, watch: &mut Watch) -> Result<Self, KktError> {
         let analysis = watch.lap(Phase::Analyse, || analyse(&problem, KktForm::Hachtel))?;
-        let factor = watch.lap(Phase::Factor, || analysis.factor(&problem))?;
-        let workspace = factor.workspace();
+        let (factor, workspace) = watch.lap(Phase::Factor, || {
+            let factor = analysis.factor(&problem)?;
+            let workspace = factor.workspace();
+            Ok((factor, workspace))
+        })?;
         let x = vec![T::default(); problem.columns];
         Ok(Self { problem, factor, workspace, m: Vec::new(), h: Vec::new(), x })
     }

@@ -3,7 +3,7 @@
 use std::time::Instant;
 
 use cotillion_solvers::workload::Workload;
-use cotillion_solvers::{KktError, Scalar, c64};
+use cotillion_solvers::{KktError, PointRow, Scalar, c64};
 use rayon::prelude::*;
 
 use super::names::{Mode, System};
@@ -53,6 +53,17 @@ pub(super) enum Part {
     Time,
 }
 
+impl Part {
+    /// Hard rows of the stands, for back ends that have no form of their own for them.
+    pub(super) fn stand_rows(self, workload: &Workload) -> Vec<PointRow<c64>> {
+        match self {
+            Self::Shape => workload.shape_stand_rows(),
+            Self::Scale => workload.scale_stand_rows(),
+            Self::Time => Vec::new(),
+        }
+    }
+}
+
 /// One system, factored by some back end.
 pub(super) trait Solver: Sized {
     /// A point: complex on a path, real on a track of times.
@@ -63,10 +74,10 @@ pub(super) trait Solver: Sized {
 
     /// Solves for `targets`, one for each row of the workload, and writes the points of every path.
     ///
-    /// `steps`: for [`Part::Scale`], what each step of each path shall be; else empty.
+    /// `steps`: for [`Part::Scale`], what each step of each path shall be; else none.
     fn solve_into(
         &mut self,
-        steps: &[Vec<c64>],
+        steps: Option<Steps<'_>>,
         targets: &[Self::Point],
         points: &mut [Vec<Self::Point>],
         watch: &mut Watch,
@@ -77,7 +88,6 @@ pub(super) trait Solver: Sized {
 #[derive(Clone, Debug)]
 pub(super) struct Edited {
     pub(super) shape: Vec<Vec<c64>>,
-    pub(super) steps: Vec<Vec<c64>>,
     pub(super) scale: Vec<Vec<c64>>,
     pub(super) times: Vec<Vec<f64>>,
 }
@@ -87,7 +97,6 @@ impl Edited {
     pub(super) fn room(workload: &Workload) -> Self {
         Self {
             shape: workload.paths.clone(),
-            steps: workload.paths.clone(),
             scale: workload.paths.clone(),
             times: workload.paths.iter().map(|path| vec![0.0; path.len()]).collect(),
         }
@@ -149,37 +158,61 @@ pub(super) fn drag<S: Solver<Point = c64>, T: Solver<Point = f64>>(
     edited: &mut Edited,
 ) -> Result<Lap, KktError> {
     let mut laps = Lap::default();
-    let Edited { shape, steps, scale, times } = edited;
-    rig.shape.solve_into(&[], targets, shape, &mut laps[0])?;
-    laps[1].lap(Phase::Solve, || scaled_steps(&workload.paths, shape, steps));
-    rig.scale.solve_into(steps, targets, scale, &mut laps[1])?;
-    rig.time.solve_into(&[], time_targets, times, &mut laps[2])?;
+    let Edited { shape, scale, times } = edited;
+    rig.shape.solve_into(None, targets, shape, &mut laps[0])?;
+    rig.scale.solve_into(Some(Steps { workload, shape }), targets, scale, &mut laps[1])?;
+    rig.time.solve_into(None, time_targets, times, &mut laps[2])?;
     Ok(laps)
 }
 
-/// Steps of the rest paths, turned as the shape phase turned them: `v z / |z|` with `z = v̄ / v`. A step that collapsed
-/// is not turned.
-pub(super) fn scaled_steps(rest: &[Vec<c64>], shape: &[Vec<c64>], steps: &mut [Vec<c64>]) {
-    let paths = rest.par_iter().zip(shape).zip(steps);
-    if rest.iter().map(Vec::len).sum::<usize>() > MANY_SAMPLES {
-        paths.with_min_len(16).for_each(|((rest, shape), steps)| turn_steps(rest, shape, steps));
+/// `make` of every path, on all threads where there is enough to do.
+pub(super) fn map_paths<T: Send>(workload: &Workload, make: impl Fn(usize) -> T + Send + Sync) -> Vec<T> {
+    let count = workload.paths.len();
+    if workload.samples() > MANY_SAMPLES {
+        (0..count).into_par_iter().with_min_len(16).map(make).collect()
     } else {
-        paths.with_min_len(rest.len()).for_each(|((rest, shape), steps)| turn_steps(rest, shape, steps));
+        (0..count).map(make).collect()
     }
 }
 
-fn turn_steps(rest: &[c64], shape: &[c64], steps: &mut Vec<c64>) {
-    steps.truncate(rest.len() - 1);
-    for ((rest, shape), step) in rest.windows(2).zip(shape.windows(2)).zip(steps) {
-        let (own, bent) = (rest[1] - rest[0], shape[1] - shape[0]);
-        let turn = bent * own.conj();
-        let size = turn.norm_sqr().sqrt();
-        *step = if size > 0.0 { own * (turn / size) } else { own };
+/// Steps of the rest paths, turned as the shape phase turned them: `v z / |z|` with `z = v̄ / v`; a stand turns as a whole. A
+/// step that collapsed is not turned.
+#[derive(Clone, Copy)]
+pub(super) struct Steps<'a> {
+    pub(super) workload: &'a Workload,
+    /// Paths of the shape phase.
+    pub(super) shape: &'a [Vec<c64>],
+}
+
+impl Steps<'_> {
+    /// Writes the steps of one path, one fewer than it has points.
+    pub(super) fn write(self, path: usize, steps: &mut [c64]) {
+        let (rest, shape) = (&self.workload.paths[path], &self.shape[path]);
+        for ((rest, shape), step) in rest.windows(2).zip(shape.windows(2)).zip(&mut *steps) {
+            let (own, bent) = (rest[1] - rest[0], shape[1] - shape[0]);
+            *step = own * rotation(bent * own.conj());
+        }
+        for &(_, first, last) in self.workload.stands_of(path) {
+            turn_stand(&rest[first..=last], &shape[first..=last], &mut steps[first..last]);
+        }
     }
+}
+
+/// All steps of a stand turned by one rotation: the one that fits them best.
+fn turn_stand(rest: &[c64], shape: &[c64], steps: &mut [c64]) {
+    let turns = rest.windows(2).zip(shape.windows(2)).map(|(a, b)| (b[1] - b[0]) * (a[1] - a[0]).conj());
+    let rotation = rotation(turns.sum());
+    rest.windows(2).zip(steps).for_each(|(pair, step)| *step = (pair[1] - pair[0]) * rotation);
+}
+
+/// `turn / |turn|`; 1 for 0.
+fn rotation(turn: c64) -> c64 {
+    let size = turn.norm_sqr().sqrt();
+    if size > 0.0 { turn * size.recip() } else { c64::new(1.0, 0.0) }
 }
 
 /// Least and most repetitions, unless a number is given.
-const REPETITIONS: (usize, usize) = (3, 1000);
+const REPETITIONS: (usize, usize) = (5, 1000);
 /// Repetitions go on for so long.
 const ENOUGH_SECONDS: f64 = 0.5;
 
@@ -210,6 +243,11 @@ pub(super) fn median_lap(laps: &[Lap], system: System) -> Watch {
     watches.get(watches.len().saturating_sub(1) / 2).copied().unwrap_or_default()
 }
 
+/// Milliseconds of the fastest repetition.
+pub(super) fn least_ms(laps: &[Lap], system: System) -> Option<f64> {
+    laps.iter().map(|lap| watch_of(lap, system).total()).min_by(f64::total_cmp)
+}
+
 fn watch_of(lap: &Lap, system: System) -> Watch {
     match system {
         System::Shape => lap[0],
@@ -227,6 +265,7 @@ pub(super) fn passes(mode: Mode, phase: Phase) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use cotillion_solvers::workload::relay_chain;
 
     #[test]
     fn median_repetition_keeps_its_phases() {
@@ -239,14 +278,33 @@ mod tests {
         assert_eq!(median_lap(&laps, System::Shape).0, [1.0, 0.0, 0.0, 3.0, 0.0]);
         assert_eq!(median_lap(&laps, System::All).total(), 4.0);
         assert_eq!(median_lap(&laps, System::Time).total(), 0.0);
+        assert_eq!(least_ms(&laps, System::All), Some(2.0));
     }
 
     #[test]
     fn turned_steps_keep_their_lengths() {
-        let rest = vec![vec![c64::new(0.0, 0.0), c64::new(1.0, 0.0), c64::new(1.0, 2.0)]];
-        let shape = vec![vec![c64::new(0.0, 0.0), c64::new(0.0, 5.0), c64::new(0.0, 5.0)]];
-        let mut steps = rest.clone();
-        scaled_steps(&rest, &shape, &mut steps);
-        assert_eq!(steps, vec![vec![c64::new(0.0, 1.0), c64::new(0.0, 2.0)]]);
+        let steps = steps_of(Vec::new(), [c64::new(0.0, 5.0), c64::new(0.0, 5.0)]);
+        assert_eq!(steps, [c64::new(0.0, 1.0), c64::new(0.0, 2.0)]);
+    }
+
+    #[test]
+    fn stands_turn_as_a_whole() {
+        let free = steps_of(Vec::new(), [c64::new(0.0, 2.0), c64::new(-5.0, 2.0)]);
+        let stand = steps_of(vec![(0, 0, 2)], [c64::new(0.0, 2.0), c64::new(-5.0, 2.0)]);
+        assert_eq!(free, [c64::new(0.0, 1.0), c64::new(-2.0, 0.0)]);
+        assert_eq!(stand, free);
+        let stand = steps_of(vec![(0, 0, 2)], [c64::new(0.0, 2.0), c64::new(-2.0, 1.0)]);
+        assert_eq!(stand[1], c64::new(0.0, 2.0) * stand[0]);
+        assert!((stand[0].norm() - 1.0).abs() < f64::EPSILON);
+    }
+
+    /// Steps of the path 0, 1, 1 + 2i with these stands, shaped to 0 and these two points.
+    fn steps_of(stands: Vec<(usize, usize, usize)>, shaped: [c64; 2]) -> [c64; 2] {
+        let zero = c64::default();
+        let paths = vec![vec![zero, c64::new(1.0, 0.0), c64::new(1.0, 2.0)]];
+        let workload = Workload { paths, stands, ..relay_chain(2) };
+        let mut steps = [zero; 2];
+        Steps { workload: &workload, shape: &[vec![zero, shaped[0], shaped[1]]] }.write(0, &mut steps);
+        steps
     }
 }

@@ -37,10 +37,10 @@ pub(super) struct BenchArgs {
     /// Numbers of threads, as in 1,2.
     #[arg(long, value_name = "N", value_delimiter = ',', default_value = "1,2", value_parser = threads)]
     threads: Vec<usize>,
-    /// Repetitions of each measurement; left out, as many as fit into half a second, 3 at least.
+    /// Repetitions of each measurement; left out, as many as fit into half a second, 5 at least.
     #[arg(long, value_name = "N", value_parser = repetitions)]
     repetitions: Option<usize>,
-    /// Two small relay chains and one published scene only.
+    /// Two small relay chains and one published scene only, five repetitions each unless a number is given.
     #[arg(long)]
     quick: bool,
     /// Leave out nothing for its size; takes minutes and gigabytes.
@@ -55,6 +55,9 @@ pub(super) struct BenchArgs {
     #[command(flatten)]
     manner: Manner,
 }
+
+/// Repetitions of `--quick`.
+const QUICK_REPETITIONS: usize = 5;
 
 fn threads(text: &str) -> Result<usize, String> {
     in_range(text, 256)
@@ -72,6 +75,7 @@ fn in_range(text: &str, most: usize) -> Result<usize, String> {
 pub(super) fn bench(args: &BenchArgs) -> Result<(), Failure> {
     let output = Output::new(args.manner);
     let cases = cases(args);
+    let repetitions = args.repetitions.or(args.quick.then_some(QUICK_REPETITIONS));
     if args.in_process {
         return cases.first().map_or(Ok(()), |case| here(&output, *case, args.repetitions));
     }
@@ -79,7 +83,7 @@ pub(super) fn bench(args: &BenchArgs) -> Result<(), Failure> {
     let bar = output.progress(cases.len() as u64);
     for case in cases {
         bar.set_message(format!("{}, {}", name_of(case.workload), name_of(case.backend)));
-        rows.extend(rows_of(case, args));
+        rows.extend(rows_of(case, repetitions, args.all));
         bar.inc(1);
     }
     bar.finish_and_clear();
@@ -92,13 +96,13 @@ pub(super) fn bench(args: &BenchArgs) -> Result<(), Failure> {
     failures(&output, &rows)
 }
 
-fn rows_of(case: Case, args: &BenchArgs) -> Vec<Row> {
+fn rows_of(case: Case, repetitions: Option<usize>, all: bool) -> Vec<Row> {
     let (_, frames) = case.workload.sizes();
     let most = case.backend.most_frames();
-    if frames > most && !args.all {
+    if frames > most && !all {
         return noted(case, &format!("skipped: {frames} frames are more than {most}; --all measures it"));
     }
-    measured_elsewhere(case, args.repetitions)
+    measured_elsewhere(case, repetitions)
 }
 
 /// Systems of the table: parts of an edit are told of where they are asked for.
@@ -163,5 +167,28 @@ fn here(output: &Output, case: Case, repetitions: Option<usize>) -> Result<(), F
             output.print_error(&error.to_string());
             Err(Failure::CaseFailed)
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use clap::Parser;
+
+    #[derive(Parser)]
+    struct Line {
+        #[command(flatten)]
+        bench: BenchArgs,
+    }
+
+    #[test]
+    fn quick_round_is_small_but_has_every_back_end() {
+        let line = Line::try_parse_from(["bench", "--quick"]).expect("a valid line");
+        let cases = cases(&line.bench);
+        assert!(cases.iter().all(|case| case.workload.sizes().1 < 20_000));
+        let with = |backend| cases.iter().filter(|case| case.backend == backend).count();
+        assert!(
+            Backend::value_variants().iter().all(|backend| with(*backend) == 2 * WorkloadName::QUICK.len())
+        );
     }
 }
