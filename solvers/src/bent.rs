@@ -4,7 +4,7 @@ use crate::c64;
 use crate::compliance::{Compliance, ComplianceFactor};
 use crate::error::{KktError, SolveReport};
 use crate::lu::LuScratch;
-use crate::refine::{largest, relative_to};
+use crate::refine::relative_to;
 use crate::scalar::TwoPart;
 use crate::springs::{Load, State};
 
@@ -36,6 +36,7 @@ pub struct Bent {
     forces: Vec<TwoPart<c64>>,
     /// State of the first point that each piece knows.
     origins: Vec<State>,
+    energy: f64,
     scratch: LuScratch,
 }
 
@@ -59,6 +60,7 @@ impl Bent {
             states: vec![State::default(); nodes],
             forces: vec![TwoPart::default(); most],
             origins: vec![State::default(); problem.loads.len()],
+            energy: 0.0,
             scratch: factor.lu().lu_scratch(),
         }
     }
@@ -98,7 +100,7 @@ impl Bent {
         let relative_residual = self.check_solution(problem, scale)?;
         self.settle_free_motions(problem, refinements >= FIRST_COMPENSATED_STEP);
         Ok(SolveReport {
-            energy: self.spring_energy(problem) + self.soft_energy(problem),
+            energy: self.spring_energy() + self.soft_energy(problem),
             hard_residual: self.hard_residual(problem, targets),
             relative_residual,
             last_correction: last,
@@ -117,6 +119,7 @@ impl Bent {
             *lambda = unknown.scaled(scale / problem.unit);
         }
         let (mut moved, mut farthest) = (0.0_f64, 0.0_f64);
+        self.energy = 0.0;
         for (piece, loads) in problem.loads.iter().enumerate() {
             let nodes = self.starts[piece]..self.starts[piece + 1];
             if compensated {
@@ -127,6 +130,7 @@ impl Bent {
             }
             let y =
                 &self.unknowns[problem.layout.similarities[piece]..problem.layout.similarities[piece + 1]];
+            self.energy += loads.energy(&self.loads[nodes.clone()]);
             let y = [y[0].high, y.get(1).map_or(c64::default(), |turn| turn.high)];
             let mut see = |before: c64, after: c64| {
                 moved = moved.max((after - before).norm_sqr());
@@ -253,11 +257,8 @@ impl Bent {
     }
 
     /// `½ Σ |δ_s|²/c_s`.
-    pub fn spring_energy(&self, problem: &Compliance) -> f64 {
-        let own = |piece: usize| {
-            problem.loads[piece].energy(&self.loads[self.starts[piece]..self.starts[piece + 1]])
-        };
-        (0..problem.loads.len()).map(own).sum()
+    pub fn spring_energy(&self) -> f64 {
+        self.energy
     }
 
     /// `½ Σ w_r |C_r x − d_r|²` of the soft rows.
@@ -278,4 +279,10 @@ fn check(problem: &Compliance, targets: &[c64]) -> Result<(), KktError> {
         Some(row) => Err(KktError::NotFinite { block: "d", row }),
         None => Ok(()),
     }
+}
+
+/// Largest modulus; NaN if any entry is not a number.
+fn largest(x: &[c64]) -> f64 {
+    let larger = |most: f64, own: f64| if own > most || own.is_nan() { own } else { most };
+    x.iter().map(c64::norm_sqr).fold(0.0, larger).sqrt()
 }

@@ -162,7 +162,11 @@ impl Compliance {
         for (length, row) in lengths.iter_mut().zip(&self.rows) {
             *length = row.terms.iter().map(|(_, _, value)| value.norm_sqr()).sum::<f64>().sqrt();
         }
-        let mut seen: Vec<Combination> = vec![Vec::new(); self.layout.free - first];
+        let mut seen: Vec<Combination> = Vec::with_capacity(self.layout.free - first);
+        for loads in &self.loads {
+            let rows = loads.rows().count();
+            seen.extend((0..loads.motions()).map(|_| Vec::with_capacity(rows)));
+        }
         for (loads, start) in self.loads.iter().zip(&self.layout.similarities) {
             loads.visit_similarities(|row, motion, value| {
                 if lengths[row] > 0.0 {

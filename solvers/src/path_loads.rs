@@ -77,6 +77,7 @@ pub(crate) struct PathLoads {
     covariances: Vec<(usize, usize, c64)>,
     /// Row, motion (0: shift, 1: about the centre), what the row sees of it.
     seen: Vec<(usize, usize, c64)>,
+    finite: bool,
 }
 
 /// Terms of one row on one path.
@@ -111,9 +112,11 @@ impl PathLoads {
             radius,
             covariances: Vec::new(),
             seen: Vec::new(),
+            finite: false,
         };
         loads.take_terms(terms);
         loads.find_covariances();
+        loads.finite = loads.has_numbers_only();
         loads
     }
 
@@ -142,13 +145,22 @@ impl PathLoads {
             sum = sum.then(*moments);
             prefix.push(sum);
         }
-        let loads: Vec<Vec<Load>> = self.rows.iter().map(|row| self.unit_loads(row)).collect();
+        let mut loads = Vec::with_capacity(2 * self.terms.len());
+        let mut starts = Vec::with_capacity(self.rows.len() + 1);
+        for row in &self.rows {
+            starts.push(loads.len());
+            self.push_unit_loads(row, &mut loads);
+        }
+        starts.push(loads.len());
+        let of_row = |index: usize| &loads[starts[index]..starts[index + 1]];
+        self.covariances.reserve_exact(self.rows.len() * (self.rows.len() + 1) / 2);
+        self.seen.reserve_exact(2 * self.rows.len());
         for (index, row) in self.rows.iter().enumerate() {
-            for (other, other_loads) in self.rows[index..].iter().zip(&loads[index..]) {
-                let value = self.covariance(&prefix, (row, &loads[index]), (other, other_loads));
+            for (other_index, other) in self.rows.iter().enumerate().skip(index) {
+                let value = self.covariance(&prefix, (row, of_row(index)), (other, of_row(other_index)));
                 self.covariances.push((row.row, other.row, value));
             }
-            let base = loads[index][0];
+            let base = of_row(index)[0];
             let (force, moment) = (base.force.conj(), base.moment.conj());
             self.seen.push((row.row, 0, force / (self.own.len() as f64).sqrt()));
             if self.radius > 0.0 {
@@ -158,29 +170,24 @@ impl PathLoads {
         }
     }
 
-    /// Load of a unit multiplier of `row` about each node from its first to its last.
-    fn unit_loads(&self, row: &RowTerms) -> Vec<Load> {
+    /// Appends the load of a unit multiplier of `row` about each node from its first to its last.
+    fn push_unit_loads(&self, row: &RowTerms, loads: &mut Vec<Load>) {
         let (first, last) = row.nodes;
-        let mut loads = vec![Load::default(); last - first + 1];
+        let start = loads.len();
+        loads.resize(start + last - first + 1, Load::default());
         let mut terms = self.terms[row.terms.clone()].iter().rev().peekable();
         let mut load = Load::default();
         for node in (first..=last).rev() {
             let mu = terms.next_if(|(known, _)| *known == node).map_or(c64::default(), |(_, c)| c.conj());
             let chord = self.moments.get(node + 1).map_or(c64::default(), |after| after.chord);
             load = load.carried(chord, mu);
-            loads[node - first] = load;
+            loads[start + node - first] = load;
         }
-        loads
     }
 
     /// `Σ c_s F_s(own)·conj(F_s(other))` over all springs: between nodes one by one as far as they differ, the rest at once.
-    fn covariance(
-        &self,
-        prefix: &[Moments],
-        own: (&RowTerms, &Vec<Load>),
-        other: (&RowTerms, &Vec<Load>),
-    ) -> c64 {
-        let at = |(row, loads): (&RowTerms, &Vec<Load>), node: usize| {
+    fn covariance(&self, prefix: &[Moments], own: (&RowTerms, &[Load]), other: (&RowTerms, &[Load])) -> c64 {
+        let at = |(row, loads): (&RowTerms, &[Load]), node: usize| {
             let first = row.nodes.0;
             if node >= first {
                 return loads[node - first];
@@ -195,6 +202,10 @@ impl PathLoads {
 
     /// True if no entry is infinite or not a number.
     pub(crate) fn is_finite(&self) -> bool {
+        self.finite
+    }
+
+    fn has_numbers_only(&self) -> bool {
         self.centre.is_finite()
             && self.radius.is_finite()
             && self.covariances.iter().all(|(_, _, value)| value.is_finite())

@@ -187,8 +187,13 @@ impl SpringPath {
         match self {
             Self::Listed { points, .. } => {
                 let points = &points[range];
-                let centre = points.iter().sum::<c64>() / points.len() as f64;
-                (centre, points.iter().map(|q| (q - centre).norm_sqr()).sum::<f64>().sqrt())
+                let (first, n) = (points[0], points.len() as f64);
+                // From the first point, so that one pass will do: sums of squares lose two bits at most.
+                let (sum, squares) = points.iter().fold((c64::default(), 0.0), |(sum, squares), q| {
+                    let arm = q - first;
+                    (sum + arm, squares + arm.norm_sqr())
+                });
+                (first + sum / n, (squares - sum.norm_sqr() / n).max(0.0).sqrt())
             }
             Self::Even { .. } => {
                 let n = range.len() as f64;

@@ -147,7 +147,7 @@ impl PathResponse {
         }
         let gain =
             2.0 * delta.dotc(&present).re + delta.dotc(&forced).re - moved.dotc(&(difference * solved)).re;
-        Ok(bent.spring_energy(problem) + bent.soft_energy(problem) + 0.5 * gain / problem.unit)
+        Ok(bent.spring_energy() + bent.soft_energy(problem) + 0.5 * gain / problem.unit)
     }
 
     /// Entries of the changed path. Unknowns that it has no use for, as it is not cut, stand by themselves.

@@ -71,6 +71,7 @@ fn pulled_wave(count: usize) -> Workload {
         paths: vec![path],
         time_rows: Vec::new(),
         time_targets: Vec::new(),
+        stands: Vec::new(),
         handle: (1, 0),
     }
 }

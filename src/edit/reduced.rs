@@ -78,7 +78,7 @@ impl ReducedPhase {
 
     /// Energies of the springs and of the soft held rows.
     pub fn energies(&self) -> (f64, f64) {
-        let of = |(_, bent): &(_, Bent)| (bent.spring_energy(&self.problem), bent.soft_energy(&self.problem));
+        let of = |(_, bent): &(_, Bent)| (bent.spring_energy(), bent.soft_energy(&self.problem));
         self.factor.as_ref().map_or((0.0, 0.0), of)
     }
 
