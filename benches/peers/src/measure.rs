@@ -1,7 +1,7 @@
 //! One timed run of one solver, with its error.
 
 use crate::configuration::Configuration;
-use crate::ours::{Drag, Route, cold};
+use crate::ours::{Route, cold};
 use crate::peer::{Failed, Library, Peer};
 use crate::problem::{reference, shape_problem, split_targets};
 use crate::system::{
@@ -121,9 +121,10 @@ pub fn run_peer(case: &Case, configuration: &Configuration) -> Result<Run, Faile
 /// # Errors
 /// Those of the solver.
 pub fn run_ours(case: &Case, route: Route) -> Result<Run, KktError> {
-    let mut paths = Vec::new();
-    let seconds = timed(|| cold(route, &case.workload).map(|edited| paths = edited))?;
-    let mut drag = Drag::new(route, &case.workload)?;
+    let mut made = None;
+    let seconds = timed(|| cold(route, &case.workload).map(|drag| made = Some(drag)))?;
+    let mut drag = made.expect("cold succeeded");
+    let paths = drag.paths.clone();
     let mut drags = Vec::new();
     for targets in &case.targets[1..] {
         drags.push(timed(|| drag.step(&case.workload, targets).map(|edited| _ = black_box(edited)))?);

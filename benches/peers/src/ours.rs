@@ -35,20 +35,21 @@ impl Route {
     }
 }
 
-/// Edited paths, with nothing known beforehand.
+/// Edits paths with nothing known beforehand, and returns them with all that can be kept.
 ///
 /// # Errors
 /// Those of the solver.
-pub fn cold(route: Route, workload: &Workload) -> Result<Vec<Vec<c64>>, KktError> {
+pub fn cold(route: Route, workload: &Workload) -> Result<Drag, KktError> {
     let mut drag = Drag::new(route, workload)?;
     drag.step(workload, &workload.targets)?;
-    Ok(drag.paths)
+    Ok(drag)
 }
 
 /// What is kept while a handle is dragged.
 pub struct Drag {
     solver: Solver,
-    paths: Vec<Vec<c64>>,
+    /// Edited paths.
+    pub paths: Vec<Vec<c64>>,
 }
 
 enum Solver {
