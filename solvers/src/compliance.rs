@@ -53,7 +53,7 @@ pub struct Compliance {
     pub(crate) first_pieces: Vec<usize>,
     pub(crate) layout: Layout,
     pub(crate) free: Vec<Combination>,
-    positions: Vec<(usize, usize)>,
+    positions: Arc<Vec<(usize, usize)>>,
     pub(crate) scales: Vec<f64>,
     /// Power of two that the covariances are divided by in the system.
     pub(crate) unit: f64,
@@ -77,7 +77,7 @@ pub struct ComplianceAnalysis(Arc<Plan>);
 
 #[derive(Debug)]
 struct Plan {
-    positions: Vec<(usize, usize)>,
+    positions: Arc<Vec<(usize, usize)>>,
     assembly: Assembly,
     order: LuOrder,
 }
@@ -119,7 +119,7 @@ impl Compliance {
             first_pieces,
             layout: Layout::default(),
             free: Vec::new(),
-            positions: Vec::new(),
+            positions: Arc::default(),
             scales: Vec::new(),
             unit: 1.0,
             data: Vec::new(),
@@ -198,7 +198,8 @@ impl Compliance {
 
     fn fill(&mut self) {
         let (rows, scales, unit) = (&self.rows, &self.scales, self.unit);
-        let (positions, data) = (&mut self.positions, &mut self.data);
+        let entries = self.loads.iter().map(PathLoads::entries).sum::<usize>() + rows.len();
+        let (mut positions, mut data) = (Vec::with_capacity(entries), Vec::with_capacity(entries));
         let mut put = |row: usize, column: usize, value: c64| {
             positions.push((row, column));
             data.push(value);
@@ -228,6 +229,7 @@ impl Compliance {
                 put(column, rows.len() + motion, share.conj());
             }
         }
+        (self.positions, self.data) = (Arc::new(positions), data);
     }
 
     /// Plans the elimination from the pattern.

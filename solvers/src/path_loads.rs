@@ -212,6 +212,11 @@ impl PathLoads {
             && self.seen.iter().all(|(_, _, value)| value.is_finite())
     }
 
+    /// Entries of the system that the piece has, mirrored ones counted.
+    pub(crate) fn entries(&self) -> usize {
+        2 * (self.covariances.len() + self.seen.len())
+    }
+
     /// Rows on the piece.
     pub(crate) fn rows(&self) -> impl Iterator<Item = usize> + '_ {
         self.rows.iter().map(|row| row.row)
