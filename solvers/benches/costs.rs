@@ -2,8 +2,9 @@
 
 use cotillion_solvers::workload::{CHAIN_SAMPLES, STEP, Workload, relay_chain};
 use cotillion_solvers::{
-    Bent, ChainSystem, Compliance, Factor, KktForm, Knots, LeastSquares, Network, PointRow, RowMatrix,
-    RowTargets, Scalar, SpringPath, Track, analyse, analyse_rank, c64, shape_rows,
+    Bent, ChainSystem, Change, Compliance, Factor, KktForm, Knots, LeastSquares, MomentTree, Network, Part,
+    PathResponse, PointRow, RowMatrix, RowTargets, Scalar, SplicedPath, SpringPath, Track, analyse,
+    analyse_rank, c64, shape_rows,
 };
 use criterion::{BenchmarkGroup, BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
 
@@ -63,12 +64,7 @@ fn group<P, R>(
 }
 
 fn springs(workload: &Workload) -> Vec<SpringPath> {
-    let path = |points: &Vec<c64>| {
-        let mut compliances = vec![1.0; points.len()];
-        (compliances[0], compliances[points.len() - 1]) = (0.0, 0.0);
-        SpringPath::Listed { points: points.clone(), compliances }
-    };
-    workload.paths.iter().map(path).collect()
+    workload.paths.iter().map(|path| SpringPath::of_shape(path.clone())).collect()
 }
 
 fn compliance(criterion: &mut Criterion) {
@@ -100,6 +96,64 @@ fn compliance(criterion: &mut Criterion) {
         }
         farthest
     });
+}
+
+/// One candidate, its splice included: a stretch of the middle path goes twice.
+fn what_if(criterion: &mut Criterion) {
+    let mut group = criterion.benchmark_group("what_if");
+    for (axis, parameter, workload) in cases() {
+        let problem = Compliance::new(springs(&workload), workload.rows.clone());
+        let factor = problem.analyse().expect("finite rows").factor(&problem).expect("a regular system");
+        let mut bent = Bent::new(&problem, &factor);
+        bent.solve(&problem, &factor, &workload.targets).expect("an answer");
+        let path = workload.paths.len() / 2;
+        let trees = [MomentTree::new(&SpringPath::of_shape(workload.paths[path].clone()))];
+        let response = PathResponse::new(&problem, &factor, path);
+        group.bench_function(BenchmarkId::new(axis, parameter), |b| {
+            b.iter(|| {
+                let splice = twice(&workload, path, &trees);
+                let change = changed(&workload, path, (&splice, &response.rows));
+                response.energy(&problem, (&bent, &workload.targets), &change).expect("a regular candidate")
+            });
+        });
+    }
+    group.finish();
+}
+
+/// First and last sample, 0.4 and 0.45 of the way, of the stretch that goes twice: no row is near.
+fn stretch(workload: &Workload, path: usize) -> (usize, usize) {
+    let last = workload.paths[path].len() - 1;
+    (2 * last / 5, 9 * last / 20)
+}
+
+fn twice<'a>(workload: &Workload, path: usize, trees: &'a [MomentTree]) -> SplicedPath<'a> {
+    let ((first, end), points) = (stretch(workload, path), &workload.paths[path]);
+    let one = c64::new(1.0, 0.0);
+    let seam = 1e3; // Of the order of the others; exact compliances cost the caller a few operations.
+    let before = Part { source: 0, points: (0, end), turn: one, start: points[0], compliances: (0.0, seam) };
+    let after = Part {
+        source: 0,
+        points: (first + 1, points.len() - 1),
+        turn: one,
+        start: points[end] + points[first + 1] - points[first],
+        compliances: (seam, 0.0),
+    };
+    SplicedPath::new(trees, vec![before, after])
+}
+
+fn changed<'a>(
+    workload: &Workload,
+    path: usize,
+    (splice, rows): (&'a SplicedPath<'a>, &[usize]),
+) -> Change<'a> {
+    let (first, end) = stretch(workload, path);
+    let moved = |j: usize| if j > end { j + end - first } else { j };
+    let own = |row: &usize| {
+        let terms = workload.rows[*row].terms.iter().filter(|term| term.0 == path);
+        terms.map(|(_, j, value)| (moved(*j), *value)).collect()
+    };
+    let targets = rows.iter().map(|row| workload.targets[*row]).collect();
+    Change { path: splice, terms: rows.iter().map(own).collect(), targets }
 }
 
 fn factor<T: Scalar>(problem: &LeastSquares<T>) -> Factor<T> {
@@ -182,5 +236,5 @@ fn rank(criterion: &mut Criterion) {
     group.finish();
 }
 
-criterion_group!(benches, compliance, chain, network, rank);
+criterion_group!(benches, compliance, what_if, chain, network, rank);
 criterion_main!(benches);

@@ -269,7 +269,7 @@ fn any_scene() -> impl Strategy<Value = Scene> {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 500, ..ProptestConfig::default() })]
+    #![proptest_config(ProptestConfig { cases: 1000, ..ProptestConfig::default() })]
 
     #[test]
     fn random_candidates_of_the_scene_equal_the_full_solve(
@@ -317,11 +317,9 @@ proptest! {
         let piece = piece % network.pieces.len();
         let response = StepResponse::new(&network, &factor, piece, &mut factor.workspace()).expect("regular");
         let (track, first) = network.place(network.pieces[piece].from);
-        let shift = steps as i64 - network.pieces[piece].steps as i64;
-        let moved = |own: usize, point: usize| {
-            let shifted = i64::try_from(point).expect("small") + shift;
-            if own == track && point > first { usize::try_from(shifted).expect("later than the first") } else { point }
-        };
+        let old = network.pieces[piece].steps;
+        let moved =
+            |own: usize, point: usize| if own == track && point > first { point + steps - old } else { point };
         let changed: Vec<PointRow<f64>> = rows.iter().map(|row| PointRow {
             terms: row.terms.iter().map(|(own, point, a)| (*own, moved(*own, *point), *a)).collect(),
             weight: row.weight,
