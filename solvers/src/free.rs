@@ -22,12 +22,18 @@ pub fn free_combinations(seen: &[Combination], groups: &[usize], rows: usize) ->
     if Peeling::new(seen, groups, rows).fixes_all() {
         return Vec::new();
     }
+    // Motions that few rows see go first: what all others are tied to would fill them up.
+    let mut order: Vec<usize> = (0..seen.len()).collect();
+    order.sort_by_key(|motion| seen[*motion].len());
     let mut matrix = RowMatrix::new(rows.max(1));
-    for own in seen {
-        matrix.push_row(own);
+    for motion in &order {
+        matrix.push_row(&seen[*motion]);
     }
     let dependent = analyse_rank(&matrix.to_csr()).dependent;
-    orthonormal(dependent.into_iter().map(|dependency| dependency.combination))
+    let in_order = |combination: Combination| -> Combination {
+        combination.into_iter().map(|(place, share)| (order[place], share)).collect()
+    };
+    orthonormal(dependent.into_iter().map(|dependency| in_order(dependency.combination)))
 }
 
 /// Groups that rows fix one after the other: each by rows that see nothing else that is still free.

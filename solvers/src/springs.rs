@@ -15,7 +15,8 @@ use crate::c64;
 
 /// Moments of the springs `a ≤ s < b` about the point b.
 ///
-/// All sums are of one sign where the physics is, so nothing cancels.
+/// Along a path that goes on they grow, and nothing cancels. One that goes far and comes back loses as many digits as the square
+/// of its reach is larger than that of its ends.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Moments {
     /// `Σ c_s`.

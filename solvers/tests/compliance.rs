@@ -70,7 +70,11 @@ fn problem() -> impl Strategy<Value = Problem> {
         let rows =
             prop_oneof![prop::collection::vec(row(paths), 6..20), prop::collection::vec(row(paths), 90..140)];
         (prop::collection::vec(path(), paths), rows).prop_map(|(paths, rows)| {
-            let (rows, targets) = rows.into_iter().unzip();
+            // Every path is pinned at two places, that no combination of other rows is all that holds it.
+            let pins = (0..paths.len()).flat_map(|path| [(path, 5), (path, 120)]);
+            let pin =
+                |(path, j)| (PointRow::soft(vec![(path, j, c64::new(1.0, 0.0))], 1.0), c64::new(1.0, 2.0));
+            let (rows, targets) = pins.map(pin).chain(rows).unzip();
             Problem { paths, rows, targets }
         })
     })

@@ -3,7 +3,7 @@
 use crate::edit::hold::{Phase, Term};
 use crate::edit::settings::RunMode;
 use crate::geometry::c64;
-use crate::path::RestPath;
+use crate::path::{COINCIDENT, RestPath};
 
 /// How the point of one frame is made of unknowns: `x_column + q·x_second`, less what the rest path has at the stretch's start.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -173,7 +173,7 @@ impl RunShape {
         let centre = points.iter().sum::<c64>() / points.len() as f64;
         let extent = points.iter().map(|p| (p - centre).norm()).fold(0.0, f64::max);
         let rigid = freedom.phase == Phase::Scale && freedom.runs == RunMode::Rigid;
-        let turns = !rigid && extent > crate::path::COINCIDENT * (1.0 + centre.norm());
+        let turns = !rigid && extent > COINCIDENT * (1.0 + centre.norm());
         Self { frames, centre, extent, turns }
     }
 

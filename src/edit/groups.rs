@@ -3,6 +3,7 @@
 use rayon::prelude::*;
 
 use crate::edit::hold::{HeldRow, Prepared};
+use crate::edit::parallel::at_once;
 use crate::edit::settings::{Backend, SpatialSettings};
 use crate::edit::spatial::SpatialComponent;
 use crate::edit::temporal::{TemporalComponent, TemporalSettings};
@@ -20,11 +21,6 @@ pub struct Group<C> {
     /// Whether targets have moved since the result was taken.
     pub stale: bool,
 }
-
-/// Fewer frames than this are done with before other threads have woken up.
-const WORTH_THREADS: usize = 20_000;
-/// A thread takes no fewer than about so many frames at once.
-const SHARE: usize = 3_000;
 
 impl<C> Group<C> {
     fn new(characters: Vec<usize>, rests: &[RestPath], component: C) -> Self {
@@ -44,11 +40,9 @@ pub fn for_each_stale<C: Send, E: Send>(
     let own = |group: &mut Group<C>| if group.stale { work(group).err() } else { None };
     let stale = groups.iter().filter(|group| group.stale);
     let (count, frames) = stale.fold((0, 0), |sum, group| (sum.0 + 1, sum.1 + group.frames));
-    let failure = if count > 1 && frames > WORTH_THREADS {
-        let at_once = (groups.len() * SHARE / frames).max(1);
-        groups.par_iter_mut().with_min_len(at_once).find_map_first(own)
-    } else {
-        groups.iter_mut().find_map(own)
+    let failure = match at_once(groups.len(), frames).filter(|_| count > 1) {
+        Some(share) => groups.par_iter_mut().with_min_len(share).find_map_first(own),
+        None => groups.iter_mut().find_map(own),
     };
     failure.map_or(Ok(()), Err)
 }

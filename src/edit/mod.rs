@@ -10,6 +10,8 @@ pub mod settings;
 pub mod hold;
 pub mod reference;
 pub mod bodies;
+pub mod parallel;
+pub mod turned;
 pub mod columns;
 pub mod clash;
 pub mod springs;

@@ -32,12 +32,11 @@ pub struct PhaseSolver {
     deviations: Vec<c64>,
     hard_deviations: Vec<c64>,
     kept_deviations: Vec<c64>,
-    system: System,
-}
-
-enum System {
-    Reduced(Box<ReducedPhase>),
-    Direct(Box<DirectPhase>),
+    reduced: Option<ReducedPhase>,
+    /// In place of the reduced system where that cannot express the paths or cannot be solved; made when first needed.
+    direct: Option<Box<DirectPhase>>,
+    /// Which of them the present solution is of.
+    answer: Backend,
 }
 
 impl PhaseSolver {
@@ -55,15 +54,14 @@ impl PhaseSolver {
         let redundant: Vec<usize> = dependent.iter().map(|dependency| hard[dependency.row]).collect();
         let kept: Vec<usize> = (0..rows.len()).filter(|row| redundant.binary_search(row).is_err()).collect();
         let kept_rows: Vec<PointRow<c64>> = kept.iter().map(|row| rows[*row].1.clone()).collect();
-        let system = match backend {
-            Backend::Reduced => {
-                ReducedPhase::new(freedom, &kept_rows, settings).map(Box::new).map(System::Reduced)
-            }
+        let reduced = match backend {
+            Backend::Reduced => ReducedPhase::new(freedom, &kept_rows, settings),
             Backend::Direct => None,
         };
-        let direct = || System::Direct(Box::new(DirectPhase::new(freedom, &kept_rows, settings)));
         Self {
-            system: system.unwrap_or_else(direct),
+            answer: if reduced.is_some() { Backend::Reduced } else { Backend::Direct },
+            reduced,
+            direct: None,
             deviations: vec![c64::default(); rows.len()],
             hard_deviations: vec![c64::default(); hard.len()],
             kept_deviations: vec![c64::default(); kept.len()],
@@ -75,20 +73,25 @@ impl PhaseSolver {
         }
     }
 
-    /// Factors the system unless that is done.
+    /// Factors the system unless that is done: the direct one where the reduced one cannot be.
     ///
     /// # Errors
     /// What the solver says of a matrix it cannot factor.
-    pub fn factor(&mut self) -> Result<(), KktError> {
-        match &mut self.system {
-            System::Reduced(reduced) => reduced.factor(),
-            System::Direct(direct) => direct.factor(),
+    pub fn factor(&mut self, freedom: Freedom, settings: &SpatialSettings) -> Result<(), KktError> {
+        if self.reduced.as_mut().is_some_and(|reduced| reduced.factor().is_err()) {
+            self.reduced = None;
         }
+        if self.reduced.is_some() { Ok(()) } else { self.direct(freedom, settings).factor() }
+    }
+
+    fn direct(&mut self, freedom: Freedom, settings: &SpatialSettings) -> &mut DirectPhase {
+        let rows = &self.kept_rows;
+        self.direct.get_or_insert_with(|| Box::new(DirectPhase::new(freedom, rows, settings)))
     }
 
     /// Takes over what the system before knows of the pattern, if only coefficients have changed since.
     pub fn adopt(&mut self, before: &Self) {
-        if let (System::Reduced(own), System::Reduced(before)) = (&mut self.system, &before.system) {
+        if let (Some(own), Some(before)) = (&mut self.reduced, &before.reduced) {
             own.adopt(before);
         }
     }
@@ -124,40 +127,46 @@ impl PhaseSolver {
         self.dependent.iter().map(|dependency| self.rows[self.hard[dependency.row]].0)
     }
 
-    /// Solves for the present targets.
+    /// Solves for the present targets: reduced; where its rows depend on each other too nearly for that, all frames. The
+    /// answer depends on the present targets alone.
     ///
     /// # Errors
     /// What the solver says.
-    pub fn solve(&mut self) -> Result<(), KktError> {
-        match &mut self.system {
-            System::Reduced(reduced) => reduced.solve(&self.kept_deviations),
-            System::Direct(direct) => direct.solve(&self.kept_rows, &self.kept_deviations),
+    pub fn solve(&mut self, freedom: Freedom, settings: &SpatialSettings) -> Result<(), KktError> {
+        self.factor(freedom, settings)?;
+        self.answer = Backend::Direct;
+        if self.reduced.as_mut().is_some_and(|reduced| reduced.solve(&self.kept_deviations)) {
+            self.answer = Backend::Reduced;
+            return Ok(());
         }
+        self.direct(freedom, settings);
+        let Some(direct) = &mut self.direct else { return Ok(()) };
+        direct.solve(&self.kept_rows, &self.kept_deviations)
     }
 
     /// Fills in the points of a path: reference plus deviation.
     pub fn points(&self, path: usize, reference: impl Fn(usize) -> c64, points: &mut [c64]) {
         let fill = |frame: usize, deviation: c64| points[frame] = reference(frame) + deviation;
-        match &self.system {
-            System::Reduced(reduced) => reduced.visit(path, fill),
-            System::Direct(direct) => direct.visit(path, fill),
+        match (&self.reduced, &self.direct) {
+            (Some(reduced), _) if self.answer == Backend::Reduced => reduced.visit(path, fill),
+            (_, Some(direct)) => direct.visit(path, fill),
+            _ => {}
         }
     }
 
     /// Energies of the interior rows and of the soft held rows.
     pub fn energies(&self) -> (f64, f64) {
-        match &self.system {
-            System::Reduced(reduced) => reduced.energies(),
-            System::Direct(direct) => direct.energies(),
+        match (&self.reduced, &self.direct) {
+            (Some(reduced), _) if self.answer == Backend::Reduced => reduced.energies(),
+            (_, Some(direct)) => direct.energies(),
+            _ => (0.0, 0.0),
         }
     }
 
     /// Number of free motions that are fixed as at rest.
     pub fn gauges(&self) -> usize {
-        match &self.system {
-            System::Reduced(reduced) => reduced.gauges(),
-            System::Direct(direct) => direct.gauges,
-        }
+        let direct = || self.direct.as_ref().map_or(0, |direct| direct.gauges);
+        self.reduced.as_ref().map_or_else(direct, ReducedPhase::gauges)
     }
 }
 

@@ -18,9 +18,12 @@ pub struct ReducedPhase {
 }
 
 impl ReducedPhase {
-    /// Assembles, or `None` where springs cannot express the paths. `rows`: held rows, the hard ones independent. Cost:
-    /// linear in frames.
+    /// Assembles, or `None` where springs cannot express the paths, or where there are so many rows on the same frames that
+    /// all frames are the smaller system. `rows`: held rows, the hard ones independent. Cost: linear in frames.
     pub fn new(freedom: Freedom, rows: &[PointRow<c64>], settings: &SpatialSettings) -> Option<Self> {
+        if crowded(freedom.paths.len(), rows) {
+            return None;
+        }
         let paths = (0..freedom.paths.len()).into_par_iter().with_min_len(16);
         let paths = paths.map(|path| spring_path(freedom, path, settings)).collect::<Option<Vec<_>>>()?;
         let mut all = rows.to_vec();
@@ -58,15 +61,12 @@ impl ReducedPhase {
         self.analysis.clone_from(&before.analysis);
     }
 
-    /// Solves for one target a held row.
-    ///
-    /// # Errors
-    /// What the solver says.
-    pub fn solve(&mut self, targets: &[c64]) -> Result<(), KktError> {
-        self.factor()?;
+    /// Solves for one target a held row; whether the solution is good to rounding. It is not where rows that are many, stiff
+    /// and close together depend on each other nearly.
+    pub fn solve(&mut self, targets: &[c64]) -> bool {
         self.targets[..targets.len()].copy_from_slice(targets);
-        let Some((factor, bent)) = &mut self.factor else { return Ok(()) };
-        bent.solve(&self.problem, factor, &self.targets).map(|_| ())
+        let Some((factor, bent)) = &mut self.factor else { return false };
+        bent.solve(&self.problem, factor, &self.targets).is_ok() && bent.settled()
     }
 
     /// Calls `visit` with every frame of a path and its deviation.
@@ -86,4 +86,19 @@ impl ReducedPhase {
     pub fn gauges(&self) -> usize {
         self.problem.free_motions()
     }
+}
+
+/// Rows on one path that are always taken on, and how many more for each frame they touch.
+const ROWS: (usize, usize) = (64, 8);
+
+/// Whether the rows of some path are many more than the frames they touch.
+fn crowded(paths: usize, rows: &[PointRow<c64>]) -> bool {
+    let mut frames: Vec<Vec<usize>> = vec![Vec::new(); paths];
+    rows.iter().flat_map(|row| &row.terms).for_each(|(path, frame, _)| frames[*path].push(*frame));
+    frames.into_iter().any(|mut own| {
+        let terms = own.len();
+        own.sort_unstable();
+        own.dedup();
+        terms > ROWS.0 + ROWS.1 * own.len()
+    })
 }

@@ -5,19 +5,20 @@
 //! the module docs of `springs`, `hold` and `reference` give.
 
 use cotillion_solvers::KktError;
-use rayon::prelude::*;
 
 use crate::edit::bodies::{first_disagreement, leave_to_the_body, spread_still_rotations};
 use crate::edit::clash::{self, Miss};
 use crate::edit::columns::Freedom;
 use crate::edit::facing::{Body, hold_facings};
 use crate::edit::hold::{Direction, Hold, Phase, Prepared, Rotations, run_chord};
+use crate::edit::parallel::for_each_path;
 use crate::edit::phase::PhaseSolver;
 use crate::edit::reference::reference_translations;
 use crate::edit::settings::{Backend, FacingMode, SpatialSettings};
+use crate::edit::turned::TurnedPath;
 use crate::geometry::{c64, cis};
 use crate::index::ConstraintId;
-use crate::path::{RestPath, RestSegments, SegmentFactors};
+use crate::path::{RestPath, RestSegments};
 
 /// Energies of the two phases, m².
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -81,18 +82,6 @@ pub struct SpatialComponent {
     others: Vec<(Runs, [PhaseSolver; 2])>,
 }
 
-/// A path of rest segments turned as in the shape phase.
-pub struct TurnedPath {
-    /// Segment factors of the shape phase; inside a kept stationary stretch, rotations are that of the stretch.
-    pub factors: SegmentFactors,
-    /// From the origin.
-    pub points: Vec<c64>,
-}
-
-/// Groups with more frames than this are worked on by all threads.
-const WORTH_THREADS: usize = 20_000;
-/// A thread takes no fewer than about so many frames at once.
-const SHARE: usize = 3_000;
 /// So many systems with other stretches released are kept.
 const MOST_KEPT: usize = 4;
 
@@ -166,8 +155,11 @@ impl SpatialComponent {
     /// # Errors
     /// What the solver says of a matrix it cannot factor.
     pub fn factor(&mut self) -> Result<(), SpatialError> {
-        self.shape.factor().map_err(|error| SpatialError::Solver(Phase::Shape, error))?;
-        self.scale.factor().map_err(|error| SpatialError::Solver(Phase::Scale, error))
+        let freedom = |phase| freedom(&self.rests, phase, &self.settings, &self.released);
+        let shape = self.shape.factor(freedom(Phase::Shape), &self.settings);
+        shape.map_err(|error| SpatialError::Solver(Phase::Shape, error))?;
+        let scale = self.scale.factor(freedom(Phase::Scale), &self.settings);
+        scale.map_err(|error| SpatialError::Solver(Phase::Scale, error))
     }
 
     /// Solves both phases for the present targets. Cost: linear in frames. Every stretch is rigid to begin with, so that
@@ -284,7 +276,9 @@ impl SpatialComponent {
         if let Some((rows, miss)) = self.shape.contradiction() {
             return self.clash(&rows, miss).map(Some);
         }
-        self.shape.solve().map_err(|error| SpatialError::Solver(Phase::Shape, error))?;
+        let freedom = freedom(&self.rests, Phase::Shape, &self.settings, &self.released);
+        let solved = self.shape.solve(freedom, &self.settings);
+        solved.map_err(|error| SpatialError::Solver(Phase::Shape, error))?;
         let (shape, segments, chords, released) = (&self.shape, &self.segments, &self.chords, &self.released);
         let bend = |path: usize, shaped: &mut Vec<c64>, turned: &mut TurnedPath| {
             let (rest, translation) = (&rests[path], translations[path].unwrap_or_default());
@@ -307,7 +301,9 @@ impl SpatialComponent {
         if let Some((rows, miss)) = self.scale.contradiction() {
             return self.clash(&rows, miss).map(Some);
         }
-        self.scale.solve().map_err(|error| SpatialError::Solver(Phase::Scale, error))?;
+        let freedom = freedom(&self.rests, Phase::Scale, &self.settings, &self.released);
+        let solved = self.scale.solve(freedom, &self.settings);
+        solved.map_err(|error| SpatialError::Solver(Phase::Scale, error))?;
         hold_facings(held, rotations, &mut self.bodies);
         let (scale, rests) = (&self.scale, &self.rests);
         let stretch = |path: usize, edited: &mut Vec<c64>, body: &mut Body| {
@@ -358,60 +354,8 @@ fn chords(rest: &RestPath) -> Vec<Direction> {
     rest.rigid.iter().map(|run| run_chord(rest, *run)).collect()
 }
 
-impl TurnedPath {
-    fn new(rest: &RestPath) -> Self {
-        Self { factors: SegmentFactors::default(), points: rest.positions.clone() }
-    }
-
-    /// Turns as `shaped` does. `runs`: kept stationary stretches and their longest chords.
-    fn follow<'a>(
-        &mut self,
-        rest: &RestSegments,
-        shaped: &[c64],
-        runs: impl Iterator<Item = (&'a (usize, usize), &'a Direction)>,
-    ) {
-        self.factors.update(rest, shaped);
-        let rotations = &mut self.factors.rotations;
-        for ((first, last), chord) in runs {
-            let rotation = run_rotation(chord, shaped, rotations, *first);
-            rotations[*first..*last].fill(rotation);
-        }
-        let mut point = c64::default();
-        self.points[0] = point;
-        for ((step, rotation), next) in rest.steps.iter().zip(rotations).zip(&mut self.points[1..]) {
-            point += step * *rotation;
-            *next = point;
-        }
-    }
-}
-
-/// Unit rotation of a stationary stretch in the shape phase; one without extent turns with its first step.
-fn run_rotation(chord: &Direction, shaped: &[c64], rotations: &[c64], first: usize) -> c64 {
-    if chord.rest.norm() > 0.0 {
-        return chord.rotation(shaped);
-    }
-    rotations.get(first).copied().unwrap_or(c64::new(1.0, 0.0))
-}
-
 fn centre(points: &[c64]) -> c64 {
     points.iter().sum::<c64>() / points.len() as f64
-}
-
-/// Calls `work` with the number of every path and what the two lists have of it, on all threads where there is enough to do.
-fn for_each_path<A: Send, B: Send>(
-    rests: &[RestPath],
-    first: &mut [A],
-    second: &mut [B],
-    work: impl Fn(usize, &mut A, &mut B) + Sync,
-) {
-    let frames: usize = rests.iter().map(RestPath::len).sum();
-    let own = |(path, (first, second)): (usize, (&mut A, &mut B))| work(path, first, second);
-    if frames > WORTH_THREADS {
-        let at_once = (rests.len() * SHARE / frames).max(1);
-        first.par_iter_mut().zip(second).enumerate().with_min_len(at_once).for_each(own);
-    } else {
-        first.iter_mut().zip(second).enumerate().for_each(own);
-    }
 }
 
 fn unique(mut constraints: Vec<ConstraintId>) -> Vec<ConstraintId> {
@@ -427,8 +371,15 @@ fn assemble_both(
     backend: Backend,
     released: &[(usize, usize)],
 ) -> [PhaseSolver; 2] {
-    [Phase::Shape, Phase::Scale].map(|phase| {
-        let freedom = Freedom { paths, phase, runs: settings.runs, released };
-        PhaseSolver::new(freedom, held, settings, backend)
-    })
+    [Phase::Shape, Phase::Scale]
+        .map(|phase| PhaseSolver::new(freedom(paths, phase, settings, released), held, settings, backend))
+}
+
+fn freedom<'a>(
+    paths: &'a [RestPath],
+    phase: Phase,
+    settings: &SpatialSettings,
+    released: &'a [(usize, usize)],
+) -> Freedom<'a> {
+    Freedom { paths, phase, runs: settings.runs, released }
 }

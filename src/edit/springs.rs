@@ -6,7 +6,7 @@ use cotillion_solvers::{PointRow, SpringPath};
 use crate::clip::working::WORKING_STEP;
 use crate::edit::columns::Freedom;
 use crate::edit::hold::Phase;
-use crate::edit::settings::SpatialSettings;
+use crate::edit::settings::{RunMode, SpatialSettings};
 use crate::geometry::c64;
 use crate::path::RestPath;
 
@@ -79,7 +79,7 @@ fn scale_path(freedom: Freedom, path: usize) -> Option<SpringPath> {
     let mut stretches = vec![(0, 1.0)];
     for (run, (first, last)) in rest.rigid.iter().enumerate().filter(|(_, (a, b))| a < b) {
         let released = freedom.released.contains(&(path, run));
-        if !released && freedom.runs == crate::edit::settings::RunMode::Similar {
+        if !released && freedom.runs == RunMode::Similar {
             return None;
         }
         stretches.push((first + 1, if released { RELEASED_WEIGHT.recip() } else { 0.0 }));
