@@ -52,7 +52,7 @@ fn strength() -> impl Strategy<Value = String> {
     prop_oneof![
         Just(String::new()),
         Just("strength = \"hard\"\n".to_owned()),
-        (1e-6..1e6_f64).prop_map(|weight| format!("strength = {weight:?}\n")),
+        (-4.0..3.0_f64).prop_map(|exponent| format!("strength = {:?}\n", 10_f64.powf(exponent))),
     ]
 }
 
@@ -67,10 +67,11 @@ fn constraint() -> impl Strategy<Value = String> {
     let pin = (any_moment(), place(), facing(), strength()).prop_map(|(at, place, facing, strength)| {
         format!("[[pin]]\nat = {at}\nposition = {place}\n{facing}{strength}")
     });
-    let long_pin =
-        (any_moment(), any_moment(), place(), strength()).prop_map(|(from, to, place, strength)| {
-            format!("[[pin]]\nduring = [{from}, {to}]\nposition = {place}\n{strength}")
-        });
+    let long_pin = (any_moment(), any_moment(), place(), facing(), strength()).prop_map(
+        |(from, to, place, facing, strength)| {
+            format!("[[pin]]\nduring = [{from}, {to}]\nposition = {place}\n{facing}{strength}")
+        },
+    );
     let relative = (any_moment(), any_moment(), place(), facing(), strength()).prop_map(
         |(at, to, place, facing, strength)| {
             format!("[[relative]]\nat = {at}\nto = {to}\noffset = {place}\n{facing}{strength}")

@@ -11,6 +11,9 @@ use crate::scene::tree::Field;
 use crate::scene::values::{self, Pair, WordOr};
 use crate::track::Track;
 
+/// Weaker than this nothing is felt, and its inverse is no number to reckon with.
+const SMALLEST_WEIGHT: f64 = 1e-9;
+
 /// Longest time, seconds, that a scene may speak of.
 const LONGEST: f64 = 1e6;
 
@@ -103,10 +106,14 @@ impl Checker<'_> {
             None => Strength::default(),
             Some(At { value: WordOr::Word(_), .. }) => Strength::Hard,
             Some(At { value: WordOr::Other(weight), place }) => {
-                if *weight <= 0.0 {
-                    let message = format!("{weight} is no weight");
-                    let help =
-                        "write a number above 0 or \"hard\"; remove the constraint if it is not to hold";
+                if *weight < SMALLEST_WEIGHT {
+                    let message = if *weight > 0.0 {
+                        format!("{weight:e} is too weak")
+                    } else {
+                        format!("{weight} is no weight")
+                    };
+                    let help = "write a number above 0 or \"hard\", no less than 1e-9; \
+                                remove the constraint if it is not to hold";
                     self.report.fault(place, message, help);
                 }
                 Strength::Soft(*weight)
