@@ -27,7 +27,7 @@ impl std::fmt::Display for Named {
 #[non_exhaustive]
 pub enum EditError {
     /// Hard constraints on places or facings contradict each other.
-    #[error("{} contradict each other: they miss by {miss}", list(.constraints))]
+    #[error("{} {} by {miss}", list(.constraints), clash(.constraints))]
     Conflict {
         /// Which, in the order of the scene.
         constraints: Vec<Named>,
@@ -35,7 +35,7 @@ pub enum EditError {
         miss: Miss,
     },
     /// Hard constraints on times contradict each other.
-    #[error("{} contradict each other: they miss by {miss:.6} s", list(.constraints))]
+    #[error("{} {} by {miss:.6} s", list(.constraints), clash(.constraints))]
     TimeConflict {
         /// Which, in the order of the scene.
         constraints: Vec<Named>,
@@ -98,4 +98,13 @@ pub enum EditError {
 fn list(constraints: &[Named]) -> String {
     let names = constraints.iter().map(Named::to_string).collect::<Vec<_>>().join(" and ");
     format!("{} {names}", if constraints.len() == 1 { "constraint" } else { "constraints" })
+}
+
+/// What constraints do that cannot all hold; one of them may hold several moments.
+fn clash(constraints: &[Named]) -> &'static str {
+    if constraints.len() == 1 {
+        "contradicts itself: its moments miss"
+    } else {
+        "contradict each other: they miss"
+    }
 }
