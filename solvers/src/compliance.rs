@@ -90,7 +90,7 @@ pub struct ComplianceFactor {
 }
 
 /// Paths with more samples than this in all are worked on by all threads.
-pub(crate) const WORTH_THREADS: usize = 20_000;
+const WORTH_THREADS: usize = 20_000;
 
 impl Compliance {
     /// Moments of the springs, then all entries of the system. `rows`: the hard ones independent of each other. Cost: linear
@@ -133,11 +133,6 @@ impl Compliance {
     /// Number of free motions, which are fixed as at rest.
     pub fn free_motions(&self) -> usize {
         self.free.len()
-    }
-
-    /// Unknowns of the reduced system.
-    pub fn unknowns(&self) -> usize {
-        self.layout.size
     }
 
     fn lay_out(&mut self) {

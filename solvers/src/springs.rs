@@ -87,37 +87,32 @@ impl Moments {
 
 /// What all points from b on do to the springs before b: `δ_s = c_s (force·conj(q_b − q_s) + moment)`.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Load {
+pub(crate) struct Load {
     /// `Σ_{j≥b} μ_j`.
-    pub force: c64,
+    pub(crate) force: c64,
     /// `Σ_{j≥b} μ_j conj(q_j − q_b)`.
-    pub moment: c64,
+    pub(crate) moment: c64,
 }
 
 impl Load {
     /// The same about the point before, `chord` = q_b − q_a, with a load μ on that point.
-    pub fn carried(self, chord: c64, mu: c64) -> Self {
+    pub(crate) fn carried(self, chord: c64, mu: c64) -> Self {
         Self { force: self.force + mu, moment: self.moment + self.force * chord.conj() }
-    }
-
-    /// No load at all.
-    pub fn is_zero(self) -> bool {
-        self.force == c64::default() && self.moment == c64::default()
     }
 }
 
 /// Point and factor at a point of a bent path: `x_j`, and `ζ` of the segment before it.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct State {
+pub(crate) struct State {
     /// `x_j`.
-    pub point: c64,
+    pub(crate) point: c64,
     /// `ζ_{j−1}`.
-    pub factor: c64,
+    pub(crate) factor: c64,
 }
 
 impl State {
     /// The state at b from that at a, through springs with these moments under the load of all points from b on.
-    pub fn through(self, moments: &Moments, load: Load) -> Self {
+    pub(crate) fn through(self, moments: &Moments, load: Load) -> Self {
         let Load { force, moment } = load;
         Self {
             point: self.point + self.factor * moments.chord + force * moments.second + moment * moments.first,
