@@ -106,8 +106,8 @@ fn facts(path: &Path, options: &ReadOptions) -> Result<ClipFacts, PlainError> {
 pub(crate) fn clips(args: &ClipsArgs) -> Result<(), Failure> {
     let output = Output::new(args.manner);
     let Some(name) = &args.name else {
-        output.say(&builtin::names().iter().map(described).collect::<String>());
-        output.print_json(&builtin::names().iter().map(described_json).collect::<Vec<_>>());
+        output.say(&builtin::names().map(described).collect::<String>());
+        output.print_json(&builtin::names().map(described_json).collect::<Vec<_>>());
         return Ok(());
     };
     let fail = |error: PlainError| {
@@ -129,7 +129,7 @@ pub(crate) fn clips(args: &ClipsArgs) -> Result<(), Failure> {
             ));
         }
         None => {
-            let info = builtin::names().iter().find(|info| info.name == name);
+            let info = builtin::names().find(|info| info.name == name);
             output.say(&info.map_or(String::new(), described));
             output.print_json(&info.map(described_json));
         }

@@ -3,14 +3,15 @@
 //! All have one human skeleton of 21 joints, +x left, +z ahead, y up, and 30 frames a second. No chance and no clock: the
 //! same parameters give the same clip.
 
+mod acts;
 mod body;
 mod gait;
 mod stand;
+mod walks;
 
 use std::collections::BTreeMap;
 
 use self::body::Body;
-use self::gait::{Gait, HALTING, SETTING_OFF};
 use crate::clip::Clip;
 use crate::index::{SourceFrame, floor_index};
 use crate::skeleton::Pose;
@@ -84,6 +85,7 @@ pub enum BuiltinError {
     },
 }
 
+/// Height of the body, a parameter of every clip.
 const STATURE: BuiltinParameter = BuiltinParameter {
     name: "stature",
     description: "height of the body",
@@ -92,79 +94,34 @@ const STATURE: BuiltinParameter = BuiltinParameter {
     range: (1.2, 2.2),
 };
 
-const WALK: BuiltinInfo = BuiltinInfo {
-    name: "walk",
-    description: "walks straight ahead, in cycles that end as they began; sets off and halts on request",
-    parameters: &[
-        BuiltinParameter {
-            name: "speed",
-            description: "of walking",
-            unit: "m/s",
-            default: 1.2,
-            range: (0.5, 1.8),
-        },
-        BuiltinParameter {
-            name: "seconds",
-            description: "length, with stop = 1 to the nearest cycle; at the default speed one takes 17/15 s",
-            unit: "s",
-            default: 3.4,
-            range: (0.5, 600.0),
-        },
-        BuiltinParameter {
-            name: "start",
-            description: "1: stands first and sets off; 0: walks from the first frame on",
-            unit: "",
-            default: 0.0,
-            range: (0.0, 1.0),
-        },
-        BuiltinParameter {
-            name: "stop",
-            description: "1: halts at the end and stands; 0: walks to the last frame",
-            unit: "",
-            default: 0.0,
-            range: (0.0, 1.0),
-        },
-        STATURE,
-    ],
-    events: &[],
-};
+/// A generated clip: what there is to know about it, and how it is made.
+#[derive(Clone, Copy, Debug)]
+struct Generator {
+    info: BuiltinInfo,
+    /// The clip on this body; its name and events are set by whoever calls.
+    make: fn(&Body, &Values) -> Made,
+}
 
-const IDLE: BuiltinInfo = BuiltinInfo {
-    name: "idle",
-    description: "stands on both feet, breathing and swaying a little; ends as it began",
-    parameters: &[
-        BuiltinParameter {
-            name: "seconds",
-            description: "length",
-            unit: "s",
-            default: 3.0,
-            range: (1.0, 600.0),
-        },
-        STATURE,
-    ],
-    events: &[],
-};
+/// Values of all parameters of a clip by name.
+type Values = BTreeMap<&'static str, f64>;
 
-const SLAP: BuiltinInfo = BuiltinInfo {
-    name: "slap",
-    description: "stands, claps the right hand forward into another's at shoulder height, stands again",
-    parameters: &[
-        BuiltinParameter {
-            name: "seconds",
-            description: "length; the hand hits after two fifths of it",
-            unit: "s",
-            default: 3.0,
-            range: (2.4, 10.0),
-        },
-        STATURE,
-    ],
-    events: &["hit"],
-};
+/// Poses at [`FPS`] and the frames of events, in the order of the clip's [`BuiltinInfo::events`].
+#[derive(Clone, Debug, Default)]
+struct Made {
+    poses: Vec<Pose>,
+    events: Vec<usize>,
+}
+
+/// Families of generated clips, in the order they are listed.
+const FAMILIES: &[&[Generator]] = &[walks::ALL, acts::ALL];
 
 /// All generated clips.
-pub fn names() -> &'static [BuiltinInfo] {
-    const ALL: &[BuiltinInfo] = &[WALK, IDLE, SLAP];
-    ALL
+pub fn names() -> impl Iterator<Item = &'static BuiltinInfo> {
+    generators().map(|generator| &generator.info)
+}
+
+fn generators() -> impl Iterator<Item = &'static Generator> {
+    FAMILIES.iter().flat_map(|family| family.iter())
 }
 
 /// The generated clip `name` with `parameters`, defaults for those left out.
@@ -172,67 +129,29 @@ pub fn names() -> &'static [BuiltinInfo] {
 /// # Errors
 /// [`BuiltinError`] for an unknown name, an unknown parameter, a value out of range.
 pub fn generate(name: &str, parameters: &BTreeMap<String, f64>) -> Result<Clip, BuiltinError> {
-    let info = names().iter().find(|info| info.name == name).ok_or_else(|| BuiltinError::UnknownName {
-        name: name.to_owned(),
-        suggestion: closest(name, names().iter().map(|info| info.name)),
+    let generator = generators().find(|generator| generator.info.name == name).ok_or_else(|| {
+        BuiltinError::UnknownName {
+            name: name.to_owned(),
+            suggestion: closest(name, names().map(|info| info.name)),
+        }
     })?;
+    let info = &generator.info;
     check(info, parameters)?;
     let value =
         |parameter: &BuiltinParameter| parameters.get(parameter.name).copied().unwrap_or(parameter.default);
-    let values: BTreeMap<&str, f64> =
-        info.parameters.iter().map(|parameter| (parameter.name, value(parameter))).collect();
+    let values: Values = info.parameters.iter().map(|parameter| (parameter.name, value(parameter))).collect();
     let body = Body::new(values["stature"]);
-    let last_frame = floor_index(values["seconds"] * FPS + 0.5);
-    Ok(match info.name {
-        "walk" => walk(body, &values),
-        "idle" => on_the_spot(info, &body, last_frame, stand::idle),
-        _ => {
-            let mut clip = on_the_spot(info, &body, last_frame, stand::slap);
-            clip.events.insert("hit".to_owned(), hit_frame(last_frame));
-            clip
-        }
-    })
-}
-
-/// Seconds of standing before a walk sets off, and after it has halted.
-const STANDING: f64 = 0.4;
-
-fn walk(body: Body, values: &BTreeMap<&str, f64>) -> Clip {
-    let skeleton = body.skeleton.clone();
-    let mut gait = Gait::new(body, values["speed"], FPS);
-    let (starts, stops) = (values["start"] >= 0.5, values["stop"] >= 0.5);
-    // A strike of the left foot falls on a frame.
-    let before =
-        if starts { ((STANDING + 0.5 * SETTING_OFF * gait.period) * FPS).round() / FPS } else { 0.0 };
-    let mut seconds = values["seconds"];
-    if stops {
-        let after = HALTING * gait.period + STANDING;
-        let cycles = ((seconds - before - after) / gait.period).round().max(if starts { 1.0 } else { 0.0 });
-        gait.ends.stop = Some(cycles);
-        seconds = before + cycles * gait.period + after;
+    let made = (generator.make)(&body, &values);
+    let mut clip = Clip::from_poses(info.name, body.skeleton.clone(), FPS, &made.poses);
+    for (name, frame) in info.events.iter().zip(made.events) {
+        clip.events.insert((*name).to_owned(), SourceFrame::from_usize(frame));
     }
-    gait.ends.start = starts;
-    let last_frame = floor_index(seconds * FPS + 0.5);
-    let poses: Vec<Pose> = (0..=last_frame).map(|frame| gait.pose(frame as f64 / FPS - before)).collect();
-    Clip::from_poses(WALK.name, skeleton, FPS, &poses)
+    Ok(clip)
 }
 
-/// A clip whose pose depends on the body, its seconds and the share of it that has passed.
-fn on_the_spot(
-    info: &BuiltinInfo,
-    body: &Body,
-    last_frame: usize,
-    pose: fn(&Body, f64, f64) -> Pose,
-) -> Clip {
-    let seconds = last_frame as f64 / FPS;
-    let poses: Vec<Pose> =
-        (0..=last_frame).map(|frame| pose(body, seconds, frame as f64 / last_frame as f64)).collect();
-    Clip::from_poses(info.name, body.skeleton.clone(), FPS, &poses)
-}
-
-/// Frame nearest to the instant of the hit.
-fn hit_frame(last_frame: usize) -> SourceFrame {
-    SourceFrame::from_usize(floor_index(stand::SLAP_HIT * last_frame as f64 + 0.5))
+/// Frame nearest to an instant.
+fn frame_at(seconds: f64) -> usize {
+    floor_index(seconds * FPS + 0.5)
 }
 
 fn check(info: &BuiltinInfo, parameters: &BTreeMap<String, f64>) -> Result<(), BuiltinError> {
@@ -274,11 +193,11 @@ fn did_you_mean(suggestion: Option<&str>) -> String {
 }
 
 fn clip_names() -> String {
-    quoted(names().iter().map(|info| info.name))
+    quoted(names().map(|info| info.name))
 }
 
 fn parameter_names(clip: &str) -> String {
-    let info = names().iter().find(|info| info.name == clip);
+    let info = names().find(|info| info.name == clip);
     quoted(info.into_iter().flat_map(|info| info.parameters).map(|parameter| parameter.name))
 }
 

@@ -2,7 +2,7 @@
 
 use glam::{DQuat, DVec3};
 
-use super::gait::{FLAT, HEEL_OFF, TOE_OFF};
+use super::gait::{FLAT, Gait, HEEL_OFF, TOE_OFF};
 use super::*;
 use crate::geometry::log;
 use crate::index::JointId;
@@ -18,7 +18,7 @@ fn made(name: &str, parameters: &[(&str, f64)]) -> Clip {
 
 /// Every clip with defaults, and walks and bodies at the ends of their ranges.
 fn many() -> Vec<Clip> {
-    let mut clips: Vec<Clip> = names().iter().map(|info| made(info.name, &[])).collect();
+    let mut clips: Vec<Clip> = names().map(|info| made(info.name, &[])).collect();
     for speed in [0.5, 0.8, 1.5, 1.8] {
         clips.push(made("walk", &[("speed", speed)]));
     }

@@ -1,0 +1,66 @@
+//! Clips of walking.
+
+use super::body::Body;
+use super::gait::{Gait, HALTING, SETTING_OFF};
+use super::{BuiltinInfo, BuiltinParameter, FPS, Generator, Made, STATURE, Values, frame_at};
+
+pub(super) const ALL: &[Generator] = &[Generator { info: WALK, make: walk }];
+
+const WALK: BuiltinInfo = BuiltinInfo {
+    name: "walk",
+    description: "walks straight ahead, in cycles that end as they began; sets off and halts on request",
+    parameters: &[
+        BuiltinParameter {
+            name: "speed",
+            description: "of walking",
+            unit: "m/s",
+            default: 1.2,
+            range: (0.5, 1.8),
+        },
+        BuiltinParameter {
+            name: "seconds",
+            description: "length, with stop = 1 to the nearest cycle; at the default speed one takes 17/15 s",
+            unit: "s",
+            default: 3.4,
+            range: (0.5, 600.0),
+        },
+        BuiltinParameter {
+            name: "start",
+            description: "1: stands first and sets off; 0: walks from the first frame on",
+            unit: "",
+            default: 0.0,
+            range: (0.0, 1.0),
+        },
+        BuiltinParameter {
+            name: "stop",
+            description: "1: halts at the end and stands; 0: walks to the last frame",
+            unit: "",
+            default: 0.0,
+            range: (0.0, 1.0),
+        },
+        STATURE,
+    ],
+    events: &[],
+};
+
+/// Seconds of standing before a walk sets off, and after it has halted.
+const STANDING: f64 = 0.4;
+
+fn walk(body: &Body, values: &Values) -> Made {
+    let mut gait = Gait::new(body.clone(), values["speed"], FPS);
+    let (starts, stops) = (values["start"] >= 0.5, values["stop"] >= 0.5);
+    // A strike of the left foot falls on a frame.
+    let before =
+        if starts { ((STANDING + 0.5 * SETTING_OFF * gait.period) * FPS).round() / FPS } else { 0.0 };
+    let mut seconds = values["seconds"];
+    if stops {
+        let after = HALTING * gait.period + STANDING;
+        let cycles = ((seconds - before - after) / gait.period).round().max(if starts { 1.0 } else { 0.0 });
+        gait.ends.stop = Some(cycles);
+        seconds = before + cycles * gait.period + after;
+    }
+    gait.ends.start = starts;
+    let last_frame = frame_at(seconds);
+    let poses = (0..=last_frame).map(|frame| gait.pose(frame as f64 / FPS - before)).collect();
+    Made { poses, events: Vec::new() }
+}
