@@ -3,24 +3,28 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
+use cotillion::clip::Clip;
 use cotillion::clip::builtin::{self, BuiltinInfo};
 use cotillion::clip::bvh::{self, ReadClip, ReadOptions, Up};
 use cotillion::clip::inspect::{ClipFacts, facts_text, inspect as facts_of};
-use cotillion::export::bvh::to_bvh;
 use rayon::prelude::*;
 use serde_json::json;
 
+use super::convert::write_bvh;
 use super::output::{Output, PlainError};
-use super::{ClipsArgs, Failure, InspectArgs};
+use super::{ClipsArgs, Failure, InspectArgs, ReadArgs};
 
 pub(crate) fn inspect(args: &InspectArgs) -> Result<(), Failure> {
     let output = Output::new(args.manner);
-    let options = options(args).map_err(|error| {
+    let options = read_options(&args.read).map_err(|error| {
         output.errors(&[error]);
         Failure::BadInput
     })?;
-    let read: Vec<Result<ClipFacts, PlainError>> =
-        args.clips.par_iter().map(|path| facts(path, &options)).collect();
+    let read: Vec<Result<ClipFacts, PlainError>> = args
+        .clips
+        .par_iter()
+        .map(|path| Ok(facts_of(&path.display().to_string(), &read_clip(path, &options)?)))
+        .collect();
     let (mut facts, mut errors) = (Vec::new(), Vec::new());
     for clip in read {
         match clip {
@@ -39,23 +43,12 @@ pub(crate) fn inspect(args: &InspectArgs) -> Result<(), Failure> {
     Err(Failure::BadInput)
 }
 
-fn options(args: &InspectArgs) -> Result<ReadOptions, PlainError> {
-    let positive = |value: f64| value.is_finite() && value > 0.0;
-    if let Some(fps) = args.fps.filter(|fps| !positive(*fps)) {
+/// What the reader is told by the options of a command.
+pub(super) fn read_options(args: &ReadArgs) -> Result<ReadOptions, PlainError> {
+    if let Some(fps) = args.fps.filter(|fps| !is_positive(*fps)) {
         return Err(wrong_option("--fps", &fps.to_string(), "a positive number of frames per second"));
     }
-    let unit = |name: &str| match name {
-        "m" => Some(1.0),
-        "cm" => Some(0.01),
-        "inch" => Some(0.0254),
-        number => number.parse().ok().filter(|value| positive(*value)),
-    };
-    let unit_to_m = match &args.unit {
-        None => None,
-        Some(name) => Some(
-            unit(name).ok_or_else(|| wrong_option("--unit", name, "m, cm, inch, or metres per file unit"))?,
-        ),
-    };
+    let unit_to_m = args.unit.as_ref().map(|name| unit("--unit", name)).transpose()?;
     let up = match args.up.as_deref() {
         None => None,
         Some("y" | "Y") => Some(Up::Y),
@@ -65,31 +58,45 @@ fn options(args: &InspectArgs) -> Result<ReadOptions, PlainError> {
     Ok(ReadOptions { fps: args.fps, unit_to_m, up })
 }
 
-fn wrong_option(option: &str, value: &str, expected: &str) -> PlainError {
+/// Metres a unit that `option` names.
+pub(super) fn unit(option: &str, name: &str) -> Result<f64, PlainError> {
+    let metres = match name {
+        "m" => Some(1.0),
+        "cm" => Some(0.01),
+        "inch" => Some(0.0254),
+        number => number.parse().ok().filter(|value| is_positive(*value)),
+    };
+    metres.ok_or_else(|| wrong_option(option, name, "m, cm, inch, or metres per file unit"))
+}
+
+fn is_positive(value: f64) -> bool {
+    value.is_finite() && value > 0.0
+}
+
+pub(super) fn wrong_option(option: &str, value: &str, expected: &str) -> PlainError {
     plain(option, format!("\"{value}\" is not {expected}"), Some(format!("give {expected}")))
 }
 
-fn plain(file: &str, message: String, help: Option<String>) -> PlainError {
+pub(super) fn plain(file: &str, message: String, help: Option<String>) -> PlainError {
     PlainError { file: file.to_owned(), line: 0, column: 0, message, help }
 }
 
-fn facts(path: &Path, options: &ReadOptions) -> Result<ClipFacts, PlainError> {
+/// Reads any clip: a file, or `builtin:NAME,PARAMETER=VALUE,…`.
+pub(super) fn read_clip(path: &Path, options: &ReadOptions) -> Result<ReadClip, PlainError> {
     let file = path.display().to_string();
-    if let Some(name) = file.strip_prefix("builtin:") {
-        let clip = builtin::generate(name, &BTreeMap::new()).map_err(|error| {
-            plain(&file, error.to_string(), Some("`cotillion clips` lists them".to_owned()))
-        })?;
+    if let Some(generated) = file.strip_prefix("builtin:") {
+        let mut parts = generated.split(',');
+        let name = parts.next().unwrap_or_default();
+        let given: Vec<String> = parts.map(str::to_owned).collect();
+        let clip = generate(name, &given, &file)?;
         let header_fps = clip.fps;
-        return Ok(facts_of(
-            &file,
-            &ReadClip { clip, unit_to_m: 1.0, up: Up::Y, header_fps, notes: Vec::new() },
-        ));
+        return Ok(ReadClip { clip, unit_to_m: 1.0, up: Up::Y, header_fps, notes: Vec::new() });
     }
     let bytes = std::fs::read(path).map_err(|error| {
         plain(&file, format!("cannot be read: {error}"), Some("name a BVH file that can be read".to_owned()))
     })?;
     let name = path.file_stem().map_or_else(String::new, |stem| stem.to_string_lossy().into_owned());
-    let read = bvh::read(&bytes, &name, options).map_err(|error| {
+    bvh::read(&bytes, &name, options).map_err(|error| {
         let position = error.position();
         PlainError {
             file: file.clone(),
@@ -98,8 +105,14 @@ fn facts(path: &Path, options: &ReadOptions) -> Result<ClipFacts, PlainError> {
             message: error.without_position(),
             help: Some("mend the file, or name another one".to_owned()),
         }
-    })?;
-    Ok(facts_of(&file, &read))
+    })
+}
+
+/// The generated clip `name` with parameters as `NAME=VALUE`; errors are told as of `file`.
+fn generate(name: &str, given: &[String], file: &str) -> Result<Clip, PlainError> {
+    let help = "`cotillion clips` lists clips and parameters";
+    builtin::generate(name, &parameters(given)?)
+        .map_err(|error| plain(file, error.to_string(), Some(help.to_owned())))
 }
 
 /// Lists generated clips, or writes one.
@@ -114,20 +127,9 @@ pub(crate) fn clips(args: &ClipsArgs) -> Result<(), Failure> {
         output.errors(&[error]);
         Failure::BadInput
     };
-    let parameters = parameters(&args.parameter).map_err(fail)?;
-    let generated = builtin::generate(name, &parameters).map_err(|error| {
-        fail(plain(name, error.to_string(), Some("`cotillion clips` lists clips and parameters".to_owned())))
-    })?;
+    let generated = generate(name, &args.parameter, name).map_err(fail)?;
     match &args.output {
-        Some(path) => {
-            output.write_file(path, to_bvh(&generated).as_bytes())?;
-            output.say(&format!(
-                "{}: {} frames at {} fps\n",
-                path.display(),
-                generated.frame_count(),
-                generated.fps
-            ));
-        }
+        Some(path) => write_bvh(&output, path, &generated, &args.bvh)?,
         None => {
             let info = builtin::names().find(|info| info.name == name);
             output.say(&info.map_or(String::new(), described));

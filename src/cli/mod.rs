@@ -1,7 +1,9 @@
 //! Commands of the program. Exit codes: 0 done, 1 no result (hard constraints cannot be satisfied, a benchmark failed), 2 wrong usage or bad input.
 
 mod bench;
+mod bvh_args;
 mod check;
+mod convert;
 mod inspect;
 mod output;
 mod run;
@@ -12,6 +14,7 @@ use std::process::ExitCode;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use cotillion::edit::Backend;
 
+use bvh_args::BvhArgs;
 use output::Output;
 
 /// Edits the motion of many synchronized characters: paths bend, times stretch, and every constraint holds.
@@ -28,8 +31,10 @@ enum Command {
     Run(RunArgs),
     /// Read and validate scenes; solve nothing.
     Check(CheckArgs),
-    /// Show the facts of clips: skeleton, rate, units, path, contacts, flights, stationary stretches.
+    /// Show the facts of clips: skeleton, rate, units, path, contacts, flights, stationary stretches; draw them.
     Inspect(InspectArgs),
+    /// Write a clip as BVH: another rate, unit, rotation order, other joint names.
+    Convert(ConvertArgs),
     /// List the generated clips, or write one as BVH.
     Clips(ClipsArgs),
     /// Print the JSON Schema of scene files.
@@ -66,6 +71,8 @@ struct RunArgs {
     #[arg(long, value_enum, default_value_t)]
     backend: BackendChoice,
     #[command(flatten)]
+    bvh: BvhArgs,
+    #[command(flatten)]
     manner: Manner,
 }
 
@@ -95,11 +102,9 @@ struct CheckArgs {
     manner: Manner,
 }
 
-#[derive(Debug, Args)]
-struct InspectArgs {
-    /// Clip files (BVH), or `builtin:NAME`.
-    #[arg(required = true, value_name = "CLIP")]
-    clips: Vec<PathBuf>,
+/// What the reader of a clip is told.
+#[derive(Clone, Debug, Args)]
+struct ReadArgs {
     /// Frames per second, where the file is silent or wrong.
     #[arg(long)]
     fps: Option<f64>,
@@ -109,6 +114,30 @@ struct InspectArgs {
     /// Axis that points up: y or z.
     #[arg(long)]
     up: Option<String>,
+}
+
+#[derive(Debug, Args)]
+struct InspectArgs {
+    /// Clip files (BVH), or `builtin:NAME`, also with parameters: `builtin:walk,speed=1.5`.
+    #[arg(required = true, value_name = "CLIP")]
+    clips: Vec<PathBuf>,
+    #[command(flatten)]
+    read: ReadArgs,
+    #[command(flatten)]
+    manner: Manner,
+}
+
+#[derive(Debug, Args)]
+struct ConvertArgs {
+    /// Clip file, or `builtin:NAME`, also with parameters: `builtin:walk,speed=1.5`.
+    clip: PathBuf,
+    /// BVH file to write.
+    #[arg(long, short, value_name = "FILE")]
+    output: PathBuf,
+    #[command(flatten)]
+    read: ReadArgs,
+    #[command(flatten)]
+    bvh: BvhArgs,
     #[command(flatten)]
     manner: Manner,
 }
@@ -123,6 +152,8 @@ struct ClipsArgs {
     /// Parameter of the clip, as NAME=VALUE; may be repeated.
     #[arg(long, short, value_name = "NAME=VALUE", requires = "name")]
     parameter: Vec<String>,
+    #[command(flatten)]
+    bvh: BvhArgs,
     #[command(flatten)]
     manner: Manner,
 }
@@ -151,6 +182,7 @@ pub(crate) fn main() -> ExitCode {
         Command::Run(args) => run::run(&args),
         Command::Check(args) => check::check(&args),
         Command::Inspect(args) => inspect::inspect(&args),
+        Command::Convert(args) => convert::convert(&args),
         Command::Clips(args) => inspect::clips(&args),
         Command::Schema(args) => schema(&args),
         Command::Bench(args) => bench::bench(&args),
