@@ -11,6 +11,7 @@ use rayon::prelude::*;
 use serde_json::json;
 
 use super::convert::write_bvh;
+use super::draw::draw;
 use super::output::{Output, PlainError};
 use super::{ClipsArgs, Failure, InspectArgs, ReadArgs};
 
@@ -20,15 +21,22 @@ pub(crate) fn inspect(args: &InspectArgs) -> Result<(), Failure> {
         output.errors(&[error]);
         Failure::BadInput
     })?;
-    let read: Vec<Result<ClipFacts, PlainError>> = args
+    let read: Vec<Result<(ReadClip, ClipFacts), PlainError>> = args
         .clips
         .par_iter()
-        .map(|path| Ok(facts_of(&path.display().to_string(), &read_clip(path, &options)?)))
+        .map(|path| {
+            let read = read_clip(path, &options)?;
+            let facts = facts_of(&path.display().to_string(), &read);
+            Ok((read, facts))
+        })
         .collect();
-    let (mut facts, mut errors) = (Vec::new(), Vec::new());
+    let (mut clips, mut facts, mut errors) = (Vec::new(), Vec::new(), Vec::new());
     for clip in read {
         match clip {
-            Ok(own) => facts.push(own),
+            Ok((read, own)) => {
+                clips.push(read.clip);
+                facts.push(own);
+            }
             Err(error) => errors.push(error),
         }
     }
@@ -36,6 +44,7 @@ pub(crate) fn inspect(args: &InspectArgs) -> Result<(), Failure> {
         output.say(&format!("{}\n", facts_text(own)));
     }
     output.print_json(&facts);
+    draw(&output, &args.draw, &clips.iter().collect::<Vec<_>>())?;
     if errors.is_empty() {
         return Ok(());
     }

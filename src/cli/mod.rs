@@ -4,6 +4,7 @@ mod bench;
 mod bvh_args;
 mod check;
 mod convert;
+mod draw;
 mod inspect;
 mod output;
 mod run;
@@ -15,6 +16,7 @@ use clap::{Args, Parser, Subcommand, ValueEnum};
 use cotillion::edit::Backend;
 
 use bvh_args::BvhArgs;
+use draw::DrawArgs;
 use output::Output;
 
 /// Edits the motion of many synchronized characters: paths bend, times stretch, and every constraint holds.
@@ -123,6 +125,8 @@ struct InspectArgs {
     clips: Vec<PathBuf>,
     #[command(flatten)]
     read: ReadArgs,
+    #[command(flatten)]
+    draw: DrawArgs,
     #[command(flatten)]
     manner: Manner,
 }

@@ -6,19 +6,23 @@ use crate::geometry::c64;
 
 mod axis;
 mod chart;
+mod clip;
 mod flags;
 mod handles;
 mod labels;
 mod legend;
 mod plan;
 mod png;
+mod strip;
 mod stroke_font;
 mod svg;
 mod tracks;
 mod view;
 
 pub use chart::{Chart, Series, chart_svg};
+pub use clip::clip_svg;
 pub use png::{PictureError, to_png};
+pub use strip::{StripOptions, StripView, strip_svg};
 
 use legend::draw_legend;
 use plan::draw_plan;
