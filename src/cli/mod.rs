@@ -1,6 +1,7 @@
 //! Commands of the program. Exit codes: 0 done, 1 no result (hard constraints cannot be satisfied, a benchmark failed), 2 wrong usage or bad input.
 
 mod bench;
+mod capture;
 mod check;
 mod inspect;
 mod output;
@@ -97,18 +98,11 @@ struct CheckArgs {
 
 #[derive(Debug, Args)]
 struct InspectArgs {
-    /// Clip files (BVH), or `builtin:NAME`.
+    /// Clip files (.bvh, .amc, DeepMimic .json or .txt), or `builtin:NAME,PARAMETER=VALUE,…`.
     #[arg(required = true, value_name = "CLIP")]
     clips: Vec<PathBuf>,
-    /// Frames per second, where the file is silent or wrong.
-    #[arg(long)]
-    fps: Option<f64>,
-    /// Unit of length: m, cm, inch, or metres per file unit.
-    #[arg(long)]
-    unit: Option<String>,
-    /// Axis that points up: y or z.
-    #[arg(long)]
-    up: Option<String>,
+    #[command(flatten)]
+    read: capture::ReadArgs,
     #[command(flatten)]
     manner: Manner,
 }
