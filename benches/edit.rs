@@ -5,7 +5,7 @@ use std::fmt::Write;
 use std::path::Path;
 
 use cotillion::clip::builtin::generate;
-use cotillion::clip::bvh::{ReadOptions, read};
+use cotillion::clip::read::{Capture, ReadOptions, read};
 use cotillion::edit::{Backend, Editor, Target};
 use cotillion::export::bvh::to_bvh;
 use cotillion::geometry::c64;
@@ -115,7 +115,7 @@ fn clips(criterion: &mut Criterion) {
     group.throughput(Throughput::Bytes(text.len() as u64));
     let options = ReadOptions::default();
     group.bench_function("read/frames/10000", |b| {
-        b.iter(|| read(text.as_bytes(), "walk", &options).expect("our own file"));
+        b.iter(|| read(Capture::Bvh(text.as_bytes()), "walk", &options).expect("our own file"));
     });
     group.bench_function("write/frames/10000", |b| b.iter(|| to_bvh(&clip)));
     group.finish();

@@ -1,5 +1,7 @@
 //! A body: joints in a tree, what each is for, and where they are in a pose.
 
+use std::fmt;
+
 use glam::{DQuat, DVec3};
 
 use crate::geometry::c64;
@@ -34,6 +36,71 @@ pub enum JointRole {
     RightKnee,
     RightFoot,
     RightToe,
+}
+
+impl JointRole {
+    /// All roles, from the pelvis up and out, then down the legs.
+    pub const ALL: [Self; 21] = [
+        Self::Pelvis,
+        Self::Spine,
+        Self::Chest,
+        Self::Neck,
+        Self::Head,
+        Self::LeftClavicle,
+        Self::LeftShoulder,
+        Self::LeftElbow,
+        Self::LeftHand,
+        Self::RightClavicle,
+        Self::RightShoulder,
+        Self::RightElbow,
+        Self::RightHand,
+        Self::LeftHip,
+        Self::LeftKnee,
+        Self::LeftFoot,
+        Self::LeftToe,
+        Self::RightHip,
+        Self::RightKnee,
+        Self::RightFoot,
+        Self::RightToe,
+    ];
+
+    /// The name that people write, as in `left_hand`.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Pelvis => "pelvis",
+            Self::Spine => "spine",
+            Self::Chest => "chest",
+            Self::Neck => "neck",
+            Self::Head => "head",
+            Self::LeftClavicle => "left_clavicle",
+            Self::LeftShoulder => "left_shoulder",
+            Self::LeftElbow => "left_elbow",
+            Self::LeftHand => "left_hand",
+            Self::RightClavicle => "right_clavicle",
+            Self::RightShoulder => "right_shoulder",
+            Self::RightElbow => "right_elbow",
+            Self::RightHand => "right_hand",
+            Self::LeftHip => "left_hip",
+            Self::LeftKnee => "left_knee",
+            Self::LeftFoot => "left_foot",
+            Self::LeftToe => "left_toe",
+            Self::RightHip => "right_hip",
+            Self::RightKnee => "right_knee",
+            Self::RightFoot => "right_foot",
+            Self::RightToe => "right_toe",
+        }
+    }
+
+    /// The role that people write as `name`.
+    pub fn named(name: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|role| role.name() == name)
+    }
+}
+
+impl fmt::Display for JointRole {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.name())
+    }
 }
 
 /// Axis of a rotation channel.

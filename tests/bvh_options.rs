@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use cotillion::clip::Clip;
 use cotillion::clip::builtin::generate;
-use cotillion::clip::bvh::{ReadOptions, Up, read};
+use cotillion::clip::read::{Capture, ReadOptions, Up, read};
 use cotillion::clip::roles::assign_roles;
 use cotillion::export::bvh::{BvhOptions, JointNames, rotation_of, to_bvh, to_bvh_with};
 use cotillion::geometry::log;
@@ -91,8 +91,8 @@ fn clip(fps: f64, angles: &[[f64; 3]]) -> Clip {
 }
 
 fn read_back(text: &str, unit_to_m: f64) -> Clip {
-    let options = ReadOptions { fps: None, unit_to_m: Some(unit_to_m), up: Some(Up::Y) };
-    read(text.as_bytes(), "any", &options).expect("what we write we read").clip
+    let options = ReadOptions { unit_to_m: Some(unit_to_m), up: Some(Up::Y), ..ReadOptions::default() };
+    read(Capture::Bvh(text.as_bytes()), "any", &options).expect("what we write we read").clip
 }
 
 fn options() -> impl Strategy<Value = BvhOptions> {

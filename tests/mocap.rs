@@ -7,9 +7,11 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use cotillion::clip::Clip;
-use cotillion::clip::bvh::{ReadClip, ReadNote, ReadOptions, Up, read};
+
 use cotillion::clip::contacts::runs;
 use cotillion::clip::inspect::{facts_text, inspect};
+use cotillion::clip::note::ReadNote;
+use cotillion::clip::read::{Capture, ReadClip, ReadOptions, Up, read};
 use cotillion::clip::roles::missing_roles;
 use cotillion::clip::stationary::{StationarySettings, stationary};
 use cotillion::clip::working::WorkingClip;
@@ -113,7 +115,7 @@ fn mocap_folder() -> Option<PathBuf> {
 
 fn load(folder: &Path, file: &str, options: &ReadOptions) -> Result<ReadClip, Failed> {
     let bytes = std::fs::read(folder.join(format!("bvh/{file}.bvh")))?;
-    Ok(read(&bytes, file, options)?)
+    Ok(read(Capture::Bvh(&bytes), file, options)?)
 }
 
 /// One row of the manifest, by the names of its columns.
@@ -180,7 +182,7 @@ fn facts_agree(folder: &Path, file: &str) -> Result<(), Failed> {
 fn round_trip(folder: &Path, file: &str) -> Result<(), Failed> {
     let before = load(folder, file, &ReadOptions::default())?.clip;
     // What is written is in metres with y up; a reader who is not told finds out.
-    let back = read(to_bvh(&before).as_bytes(), file, &ReadOptions::default())?;
+    let back = read(Capture::Bvh(to_bvh(&before).as_bytes()), file, &ReadOptions::default())?;
     let after = &back.clip;
     if back.unit_to_m != 1.0 || back.up != Up::Y || before.usable != after.usable || before.fps != after.fps {
         return Err(
@@ -283,7 +285,7 @@ fn odd_files(folder: &Path, odd: &str) -> Result<(), Failed> {
         }
         let is_broken = name.starts_with("broken_")
             || ["frames_header_303_but_one_row", "valid_zero_frames"].contains(&name.as_str());
-        match read(&std::fs::read(&path)?, &name, &ReadOptions::default()) {
+        match read(Capture::Bvh(&std::fs::read(&path)?), &name, &ReadOptions::default()) {
             Ok(_) if is_broken => faults.push(format!("{name} was read")),
             Ok(read) => drop(facts_text(&inspect(&name, &read))),
             Err(error) if is_broken && error.to_string().starts_with("line ") => {}

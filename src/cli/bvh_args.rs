@@ -4,7 +4,7 @@ use clap::{Args, ValueEnum};
 use cotillion::export::bvh::{BvhOptions, JointNames};
 use cotillion::skeleton::Axis;
 
-use super::inspect::{unit, wrong_option};
+use super::capture::{metres_of_unit, wrong_option};
 use super::output::PlainError;
 
 /// Rates that are written, frames per second: beyond them our own reader takes the file for a broken one, or memory ends.
@@ -81,7 +81,7 @@ impl BvhArgs {
             let expected = format!("a rate from {} to {} frames per second", RATES.start(), RATES.end());
             return Err(wrong_option("--bvh-rate", &fps.to_string(), &expected));
         }
-        let unit_to_m = unit("--bvh-unit", &self.bvh_unit)?;
+        let unit_to_m = metres_of_unit("--bvh-unit", &self.bvh_unit)?;
         if !UNITS.contains(&unit_to_m) {
             let expected = format!("a unit from {} to {} m", UNITS.start(), UNITS.end());
             return Err(wrong_option("--bvh-unit", &self.bvh_unit, &expected));

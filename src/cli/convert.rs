@@ -7,13 +7,12 @@ use cotillion::clip::inspect::inspect;
 use cotillion::export::bvh::to_bvh_with;
 
 use super::bvh_args::BvhArgs;
-use super::inspect::{read_clip, read_options};
 use super::output::Output;
 use super::{ConvertArgs, Failure};
 
 pub(crate) fn convert(args: &ConvertArgs) -> Result<(), Failure> {
     let output = Output::new(args.manner);
-    let read = read_options(&args.read).and_then(|options| read_clip(&args.clip, &options));
+    let read = args.read.options().and_then(|options| args.read.read(&args.clip, &options));
     let read = read.map_err(|error| output.fail(error))?;
     write_bvh(&output, &args.output, &read.clip, &args.bvh)?;
     for note in &read.notes {

@@ -9,7 +9,7 @@ use cotillion::export::picture::{PictureError, StripOptions, StripView, clip_svg
 use rayon::prelude::*;
 
 use super::Failure;
-use super::inspect::plain;
+use super::capture::plain;
 use super::output::{Output, PlainError};
 
 /// What is drawn of clips.
@@ -54,7 +54,7 @@ impl From<ViewChoice> for StripView {
 const PNG_SCALE: f64 = 1.25;
 
 /// Draws what is asked for of all clips.
-pub(super) fn draw(output: &Output, args: &DrawArgs, clips: &[&Clip]) -> Result<(), Failure> {
+pub(super) fn draw(output: &Output, args: &DrawArgs, clips: &[Clip]) -> Result<(), Failure> {
     if let Some(path) = &args.picture {
         write(output, path, (clips, "picture"), clip_svg)?;
     }
@@ -69,7 +69,7 @@ pub(super) fn draw(output: &Output, args: &DrawArgs, clips: &[&Clip]) -> Result<
 fn write(
     output: &Output,
     path: &Path,
-    (clips, kind): (&[&Clip], &str),
+    (clips, kind): (&[Clip], &str),
     svg: impl Fn(&Clip) -> String + Sync,
 ) -> Result<(), Failure> {
     let files = places(path, clips, kind).map_err(|error| output.fail(error))?;
@@ -94,7 +94,7 @@ fn write(
 }
 
 /// The file of each clip.
-fn places(path: &Path, clips: &[&Clip], kind: &str) -> Result<Vec<PathBuf>, PlainError> {
+fn places(path: &Path, clips: &[Clip], kind: &str) -> Result<Vec<PathBuf>, PlainError> {
     if !is(path, "svg") && !is(path, "png") {
         let names: Vec<&str> = clips.iter().map(|clip| clip.name.as_str()).collect();
         return Ok(file_names(&names).iter().map(|name| path.join(format!("{name}.{kind}.png"))).collect());

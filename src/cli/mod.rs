@@ -2,6 +2,7 @@
 
 mod bench;
 mod bvh_args;
+mod capture;
 mod check;
 mod convert;
 mod draw;
@@ -104,27 +105,13 @@ struct CheckArgs {
     manner: Manner,
 }
 
-/// What the reader of a clip is told.
-#[derive(Clone, Debug, Args)]
-struct ReadArgs {
-    /// Frames per second, where the file is silent or wrong.
-    #[arg(long)]
-    fps: Option<f64>,
-    /// Unit of length: m, cm, inch, or metres per file unit.
-    #[arg(long)]
-    unit: Option<String>,
-    /// Axis that points up: y or z.
-    #[arg(long)]
-    up: Option<String>,
-}
-
 #[derive(Debug, Args)]
 struct InspectArgs {
-    /// Clip files (BVH), or `builtin:NAME`, also with parameters: `builtin:walk,speed=1.5`.
+    /// Clip files (.bvh, .amc, DeepMimic .json or .txt), or `builtin:NAME,PARAMETER=VALUE,…`.
     #[arg(required = true, value_name = "CLIP")]
     clips: Vec<PathBuf>,
     #[command(flatten)]
-    read: ReadArgs,
+    read: capture::ReadArgs,
     #[command(flatten)]
     draw: DrawArgs,
     #[command(flatten)]
@@ -133,13 +120,13 @@ struct InspectArgs {
 
 #[derive(Debug, Args)]
 struct ConvertArgs {
-    /// Clip file, or `builtin:NAME`, also with parameters: `builtin:walk,speed=1.5`.
+    /// Clip file (.bvh, .amc, DeepMimic .json or .txt), or `builtin:NAME,PARAMETER=VALUE,…`.
     clip: PathBuf,
     /// BVH file to write.
     #[arg(long, short, value_name = "FILE")]
     output: PathBuf,
     #[command(flatten)]
-    read: ReadArgs,
+    read: capture::ReadArgs,
     #[command(flatten)]
     bvh: BvhArgs,
     #[command(flatten)]

@@ -5,9 +5,10 @@ use std::sync::Arc;
 
 use serde::Serialize;
 
-use crate::clip::bvh::{ReadClip, ReadNote};
 use crate::clip::contacts::{FootPoint, foot_point, runs};
 use crate::clip::measure::{foot_slide_working, root_path, standing_height};
+use crate::clip::note::ReadNote;
+use crate::clip::read::ReadClip;
 use crate::clip::working::WorkingClip;
 use crate::index::{SourceFrame, floor_index};
 

@@ -1,15 +1,23 @@
 //! Motion of one body: what readers produce, every later stage consumes and produces again.
 
+pub mod acclaim;
 pub mod builtin;
 pub mod bvh;
 pub mod contacts;
+pub mod deepmimic;
 pub mod facing;
+pub mod file;
+mod file_motion;
 pub mod flight;
 pub mod inspect;
 pub mod measure;
+pub mod note;
+pub mod read;
+mod repair;
 pub mod roles;
 pub mod sample;
 pub mod stationary;
+pub mod text;
 pub mod working;
 
 use std::collections::BTreeMap;

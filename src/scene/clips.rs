@@ -8,16 +8,18 @@ use std::sync::Arc;
 use rayon::prelude::*;
 
 use crate::clip::Clip;
-use crate::clip::bvh::ReadNote;
+use crate::clip::note::ReadNote;
+use crate::clip::read::{self, ReadOptions};
 use crate::clip::working::{WORKING_STEP, WorkingClip};
 use crate::index::SourceFrame;
 use crate::scene::moment::{Entry, SEPARATORS};
 use crate::scene::raw;
 use crate::scene::report::{At, Place, Report};
-use crate::scene::sources::{FileOptions, Read, Source, Unreadable, read};
+use crate::scene::sources::{Read, Source, Unreadable, read_source};
 use crate::scene::suggest;
 use crate::scene::tree::Field;
 use crate::scene::values::{Named, Pair, Unit, UnitName, Up, WordOr};
+use crate::skeleton::JointRole;
 
 /// Where clips are looked for besides the folder of the scene file.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -105,7 +107,7 @@ pub fn check_name(name: &At<String>, what: &str, report: &mut Report) {
 fn read_once(sources: &[Option<(Source, Place)>]) -> BTreeMap<String, Result<Read, Unreadable>> {
     let distinct: BTreeMap<String, &Source> =
         sources.iter().flatten().map(|(source, _)| (source.key(), source)).collect();
-    distinct.into_par_iter().map(|(key, source)| (key, read(source))).collect()
+    distinct.into_par_iter().map(|(key, source)| (key, read_source(source))).collect()
 }
 
 /// Where `clip` comes from, and the place that says so.
@@ -119,8 +121,8 @@ fn source_of(clip: &At<raw::Clip>, folders: Folders<'_>, report: &mut Report) ->
             }
             None => {
                 let path = path_of(text, &clip.place, folders, report)?;
-                let options = FileOptions::default();
-                Some((Source::File { path, options }, clip.place.clone()))
+                let (skeleton, options) = (None, ReadOptions::default());
+                Some((Source::File { path, skeleton, options }, clip.place.clone()))
             }
         },
         raw::Clip::File(file) => file_source(file, folders, report),
@@ -136,10 +138,6 @@ fn source_of(clip: &At<raw::Clip>, folders: Folders<'_>, report: &mut Report) ->
 
 fn file_source(file: &raw::FileClip, folders: Folders<'_>, report: &mut Report) -> Option<(Source, Place)> {
     let options = options_of(file, report);
-    if let Some(skeleton) = file.skeleton.given() {
-        refuse_acclaim(&skeleton.place, report);
-        return None;
-    }
     let At { value, place } = file.file.given()?;
     if value.starts_with("builtin:") {
         let help = "write { builtin = \"NAME\" } for a generated clip";
@@ -147,17 +145,16 @@ fn file_source(file: &raw::FileClip, folders: Folders<'_>, report: &mut Report) 
         return None;
     }
     let path = path_of(value, place, folders, report)?;
+    let skeleton = match file.skeleton.given() {
+        Some(At { value, place }) => Some(path_of(value, place, folders, report)?),
+        None => None,
+    };
     let options = options?;
-    Some((Source::File { path, options }, place.clone()))
+    Some((Source::File { path, skeleton, options }, place.clone()))
 }
 
-/// Path of the BVH file that `text` names, beside the scene file or below the `mocap:` folder.
+/// Path of the file that `text` names, beside the scene file or below the `mocap:` folder.
 fn path_of(text: &str, place: &Place, folders: Folders<'_>, report: &mut Report) -> Option<PathBuf> {
-    let lower = text.to_ascii_lowercase();
-    if lower.ends_with(".amc") || lower.ends_with(".asf") {
-        refuse_acclaim(place, report);
-        return None;
-    }
     match (text.strip_prefix("mocap:"), folders.mocap) {
         (None, _) => Some(folders.scene.join(text)),
         (Some(below), Some(mocap)) => Some(mocap.join(below)),
@@ -170,13 +167,8 @@ fn path_of(text: &str, place: &Place, folders: Folders<'_>, report: &mut Report)
     }
 }
 
-fn refuse_acclaim(place: &Place, report: &mut Report) {
-    let message = "ASF/AMC clips are not available yet";
-    report.fault(place, message, "convert the clip to BVH, or remove it");
-}
-
 /// How to read a file; `None`, reported, if it cannot be read so.
-fn options_of(file: &raw::FileClip, report: &mut Report) -> Option<FileOptions> {
+fn options_of(file: &raw::FileClip, report: &mut Report) -> Option<ReadOptions> {
     let fps = within(&file.fps, 1000.0, "frames per second", report);
     let unit_to_m = match file.unit.given() {
         None => None,
@@ -190,9 +182,33 @@ fn options_of(file: &raw::FileClip, report: &mut Report) -> Option<FileOptions> 
             Some(within(&Field::Given(given), 1000.0, "metres per unit of the file", report)?)
         }
     };
-    let up: Option<Up> = file.up.value().copied();
+    let up = file.up.value().map(|up| match up {
+        Up::Y => read::Up::Y,
+        Up::Z => read::Up::Z,
+    });
+    let roles = roles_of(&file.roles, report);
+    let is_set = |field: &Field<bool>| field.value().copied().unwrap_or(false);
     let spoiled = fps.is_none() && !file.fps.is_absent();
-    (!spoiled).then_some(FileOptions { fps, unit_to_m, up })
+    let (strict, repair) = (is_set(&file.strict), is_set(&file.repair));
+    (!spoiled).then_some(ReadOptions { fps, unit_to_m, up, roles: roles?, strict, repair })
+}
+
+/// Joints by role; `None`, reported, if a name is no role.
+fn roles_of(given: &Field<Named<String>>, report: &mut Report) -> Option<BTreeMap<JointRole, String>> {
+    let mut roles = BTreeMap::new();
+    let mut sound = true;
+    for (name, joint) in given.value().map_or(&[][..], |roles| &roles.0) {
+        match JointRole::named(name) {
+            Some(role) => drop(roles.insert(role, joint.value.clone())),
+            None => {
+                let names = JointRole::ALL.map(JointRole::name);
+                let help = suggest::remedy(name, "roles", &names);
+                report.fault(&joint.place, format!("no joint role \"{name}\""), help);
+                sound = false;
+            }
+        }
+    }
+    sound.then_some(roles)
 }
 
 /// A number above 0 and at most `largest`; `None` where it is left out, or reported if it is not within.

@@ -112,8 +112,14 @@ table! {
             unit: Unit,
             /// The axis that points up, where the file is silent.
             up: Up,
-            /// Skeleton (ASF) of a motion (AMC).
+            /// Skeleton (ASF) of a motion (AMC); left out: the `.asf` beside it whose name its own starts with.
             skeleton: String,
+            /// Joints of roles, by their names in the file, where names and tree tell it wrong: `{ left_hand = "LeftWrist" }`.
+            roles: Named<String>,
+            /// Whether what would only be warned of is refused.
+            strict: bool,
+            /// Whether single frames that are no numbers or cannot be motion are filled in.
+            repair: bool,
         }
     }
 }

@@ -2,24 +2,26 @@
 
 use std::collections::BTreeMap;
 use std::fs;
-use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use crate::clip::bvh::ReadNote;
-use crate::clip::{Clip, builtin, bvh};
+use crate::clip::file::{FileError, read_file};
+use crate::clip::note::ReadNote;
+use crate::clip::read::ReadOptions;
+use crate::clip::{Clip, builtin};
 use crate::scene::suggest;
-use crate::scene::values::Up;
 
 /// Where a clip comes from, and how to read it.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Source {
-    /// A BVH file.
+    /// A capture in a file.
     File {
         /// Where it is.
         path: PathBuf,
+        /// Where its skeleton is, where one is named.
+        skeleton: Option<PathBuf>,
         /// How to read it.
-        options: FileOptions,
+        options: ReadOptions,
     },
     /// A clip the program generates.
     Builtin {
@@ -28,17 +30,6 @@ pub enum Source {
         /// Its parameters.
         parameters: BTreeMap<String, f64>,
     },
-}
-
-/// What the scene says about a file that is silent or wrong.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct FileOptions {
-    /// Frames per second.
-    pub fps: Option<f64>,
-    /// Metres per unit of the file.
-    pub unit_to_m: Option<f64>,
-    /// The axis that points up.
-    pub up: Option<Up>,
 }
 
 /// A clip, and what its reader had to guess.
@@ -73,9 +64,9 @@ const LEAST_LIKENESS: f64 = 0.5;
 const MOST_SIMILAR: usize = 3;
 
 /// Reads or generates the clip of `source`.
-pub fn read(source: &Source) -> Result<Read, Unreadable> {
+pub fn read_source(source: &Source) -> Result<Read, Unreadable> {
     match source {
-        Source::File { path, options } => read_file(path, *options),
+        Source::File { path, skeleton, options } => file(path, skeleton.as_deref(), options),
         Source::Builtin { name, parameters } => match builtin::generate(name, parameters) {
             Ok(clip) => Ok(Read { clip: Arc::new(clip), notes: Vec::new() }),
             Err(error) => Err(Unreadable {
@@ -86,40 +77,11 @@ pub fn read(source: &Source) -> Result<Read, Unreadable> {
     }
 }
 
-fn read_file(path: &Path, options: FileOptions) -> Result<Read, Unreadable> {
-    let bytes = bytes_of(path)?;
-    let options = bvh::ReadOptions {
-        fps: options.fps,
-        unit_to_m: options.unit_to_m,
-        up: options.up.map(|up| match up {
-            Up::Y => bvh::Up::Y,
-            Up::Z => bvh::Up::Z,
-        }),
-    };
-    let name = path.file_stem().map_or_else(String::new, |stem| stem.to_string_lossy().into_owned());
-    match bvh::read(&bytes, &name, &options) {
+fn file(path: &Path, skeleton: Option<&Path>, options: &ReadOptions) -> Result<Read, Unreadable> {
+    match read_file(path, skeleton, options) {
         Ok(read) => Ok(Read { clip: Arc::new(read.clip), notes: read.notes }),
-        Err(error) => Err(Unreadable {
-            message: format!("{}: {error}", path.display()),
-            help: "mend the file, or name another one".to_owned(),
-        }),
-    }
-}
-
-fn bytes_of(path: &Path) -> Result<Vec<u8>, Unreadable> {
-    let kind = fs::metadata(path);
-    match kind {
-        Ok(kind) if kind.is_file() => fs::read(path).map_err(|error| unreadable(path, &error.to_string())),
-        Ok(_) => Err(unreadable(path, "it is not a file")),
-        Err(error) if error.kind() == ErrorKind::NotFound => Err(missing(path)),
-        Err(error) => Err(unreadable(path, &error.to_string())),
-    }
-}
-
-fn unreadable(path: &Path, reason: &str) -> Unreadable {
-    Unreadable {
-        message: format!("cannot read {}: {reason}", path.display()),
-        help: "name a BVH file that can be read".to_owned(),
+        Err(FileError::Missing { path }) => Err(missing(&path)),
+        Err(error) => Err(Unreadable { message: error.to_string(), help: error.help().to_owned() }),
     }
 }
 

@@ -1,37 +1,18 @@
 //! What can be wrong with a BVH file, where, and what to do about it.
 
-use std::fmt;
-
-/// A place in a text file, both counted from 1; columns count characters.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[expect(missing_docs, reason = "the names say it")]
-pub struct Position {
-    pub line: usize,
-    pub column: usize,
-}
-
-impl fmt::Display for Position {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "line {}, column {}", self.line, self.column)
-    }
-}
+use crate::clip::text::{Position, TextError};
 
 /// Why a BVH file could not be read.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 #[expect(missing_docs, reason = "`at` is the place of the fault, the other fields stand in the message")]
 pub enum BvhError {
+    /// A word that is none, or not the one that belongs there.
+    #[error(transparent)]
+    Text(#[from] TextError),
     /// The first word is not HIERARCHY.
     #[error("{at}: not a BVH file, which starts with the word HIERARCHY (found {found})")]
     NotBvh { at: Position, found: String },
-    /// Another word than the format asks for.
-    #[error("{at}: expected {expected}, found {found}; correct this line or export the file again")]
-    Unexpected { at: Position, expected: &'static str, found: String },
-    /// The file ends too early.
-    #[error(
-        "{at}: the file ends where {expected} should follow; it seems cut short, copy or export it again"
-    )]
-    EndOfFile { at: Position, expected: &'static str },
     /// A joint's braces are never closed.
     #[error("{at}: the file ends inside joint `{joint}`; a closing brace is missing")]
     MissingBrace { at: Position, joint: String },
@@ -63,15 +44,6 @@ pub enum BvhError {
     /// One channel twice in one joint.
     #[error("{at}: joint `{joint}` has the channel `{channel}` twice; each may stand once")]
     RepeatedChannel { at: Position, joint: String, channel: String },
-    /// A word where a number belongs.
-    #[error("{at}: `{found}` is not a number; decimals are written with a point")]
-    NotANumber { at: Position, found: String },
-    /// NaN, infinity or overflow.
-    #[error("{at}: `{found}` is not a finite number; repair the value or leave the frame out")]
-    NotFinite { at: Position, found: String },
-    /// A count that is negative, a fraction or too large.
-    #[error("{at}: `{found}` is not a count of {what}; write a whole number from 0 to 4294967295")]
-    NotACount { at: Position, found: String, what: &'static str },
     /// The motion has no frames.
     #[error("{at}: the file has no frames; a clip needs one at least")]
     NoFrames { at: Position },
@@ -88,6 +60,9 @@ pub enum BvhError {
         "{at}: {announced} frames announced, {found} rows found; correct the number after Frames: or restore the rows"
     )]
     RowsMissing { at: Position, announced: usize, found: usize },
+    /// Too many values in a row of frames that are no numbers.
+    #[error("{at}: more than {limit} frames without a number here cannot be filled in; leave them out")]
+    LongGap { at: Position, limit: usize },
     /// More than the announced rows.
     #[error(
         "{at}: {announced} frames announced, but more follows the last row; correct the number after Frames:"
@@ -99,9 +74,8 @@ impl BvhError {
     /// Where the fault is.
     pub fn position(&self) -> Position {
         match self {
+            Self::Text(error) => error.position(),
             Self::NotBvh { at, .. }
-            | Self::Unexpected { at, .. }
-            | Self::EndOfFile { at, .. }
             | Self::MissingBrace { at, .. }
             | Self::SecondRoot { at, .. }
             | Self::NoName { at, .. }
@@ -111,20 +85,12 @@ impl BvhError {
             | Self::UnknownChannel { at, .. }
             | Self::ChannelCount { at, .. }
             | Self::RepeatedChannel { at, .. }
-            | Self::NotANumber { at, .. }
-            | Self::NotFinite { at, .. }
-            | Self::NotACount { at, .. }
             | Self::NoFrames { at, .. }
             | Self::FrameTime { at, .. }
             | Self::RowLength { at, .. }
             | Self::RowsMissing { at, .. }
+            | Self::LongGap { at, .. }
             | Self::RowsLeft { at, .. } => *at,
         }
-    }
-
-    /// The message without the place it starts with, for those who show the place in their own way.
-    pub fn without_position(&self) -> String {
-        let message = self.to_string();
-        message.strip_prefix(&format!("{}: ", self.position())).unwrap_or(&message).to_owned()
     }
 }

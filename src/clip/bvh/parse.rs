@@ -1,7 +1,8 @@
 //! The text of a BVH file as it stands: joints, channels, rows; file units, degrees.
 
-use super::cursor::{Cursor, Word, quote};
 use super::error::BvhError;
+use crate::clip::repair::{Gap, LONGEST_GAP, fill_gaps};
+use crate::clip::text::{Cursor, TextError, Word, quote};
 use crate::skeleton::Axis;
 
 /// Most joints a file may have.
@@ -42,6 +43,8 @@ pub(super) struct RawBvh {
     pub(super) values: Vec<f64>,
     /// At least 1.
     pub(super) frame_count: usize,
+    /// Rows that were mended.
+    pub(super) mended: Vec<usize>,
 }
 
 /// A joint whose braces are open.
@@ -51,8 +54,9 @@ struct OpenJoint {
     has_channels: bool,
 }
 
-/// Reads the text; cost linear in its length, memory in what the file really holds.
-pub(super) fn parse(bytes: &[u8]) -> Result<RawBvh, BvhError> {
+/// Reads the text; cost linear in its length, memory in what the file really holds. `repair`: values that are no finite
+/// numbers are filled in.
+pub(super) fn parse(bytes: &[u8], repair: bool) -> Result<RawBvh, BvhError> {
     let mut cursor = Cursor::new(bytes);
     let joints = hierarchy(&mut cursor)?;
     let frames_word = keyed_word(&mut cursor, &["Frames:"], "`Frames:`", "the number of frames")?;
@@ -66,21 +70,26 @@ pub(super) fn parse(bytes: &[u8]) -> Result<RawBvh, BvhError> {
         return Err(BvhError::FrameTime { at: cursor.position(time_word.start), found: frame_time });
     }
     end_line(&mut cursor)?;
-    let width = joints.iter().map(|joint| joint.channels.len()).sum();
-    let values = rows(&mut cursor, frame_count, width)?;
+    let channels: Vec<Channel> = joints.iter().flat_map(|joint| joint.channels.iter().copied()).collect();
+    let mut gaps = Vec::new();
+    let mut values = rows(&mut cursor, frame_count, channels.len(), repair.then_some(&mut gaps))?;
+    let is_angle = |column: usize| matches!(channels[column], Channel::Rotation(_));
+    let mended = fill_gaps(&mut values, channels.len(), &gaps, is_angle)
+        .map_err(|gap| BvhError::LongGap { at: cursor.position(gap.start), limit: LONGEST_GAP })?;
     Ok(RawBvh {
         joints,
         frame_time,
         frame_time_rounding: half_unit_of_last_digit(time_word.bytes),
         values,
         frame_count,
+        mended,
     })
 }
 
 /// Joints from HIERARCHY to MOTION, both words read; no recursion, so nesting may be deep.
 fn hierarchy(cursor: &mut Cursor<'_>) -> Result<Vec<RawJoint>, BvhError> {
     match cursor.word() {
-        Some(word) if is(word, "HIERARCHY") => {}
+        Some(word) if word.is("HIERARCHY") => {}
         other => {
             return Err(BvhError::NotBvh {
                 at: other.map_or_else(|| cursor.here(), |word| cursor.position(word.start)),
@@ -88,15 +97,18 @@ fn hierarchy(cursor: &mut Cursor<'_>) -> Result<Vec<RawJoint>, BvhError> {
             });
         }
     }
-    expect(cursor, "ROOT", "ROOT")?;
+    cursor.expect("ROOT", "ROOT")?;
     let mut joints = Vec::new();
     let mut open = vec![open_joint(cursor, &mut joints, None)?];
     while !open.is_empty() {
         joint_line(cursor, &mut joints, &mut open)?;
     }
     match cursor.peek() {
-        Some(word) if is(word, "ROOT") => Err(BvhError::SecondRoot { at: cursor.position(word.start) }),
-        _ => expect(cursor, "MOTION", "MOTION").map(|()| joints),
+        Some(word) if word.is("ROOT") => Err(BvhError::SecondRoot { at: cursor.position(word.start) }),
+        _ => {
+            cursor.expect("MOTION", "MOTION")?;
+            Ok(joints)
+        }
     }
 }
 
@@ -121,7 +133,7 @@ fn open_joint(
         end_sites: Vec::new(),
         channels: Vec::new(),
     });
-    expect(cursor, "{", "an opening brace")?;
+    cursor.expect("{", "an opening brace")?;
     Ok(OpenJoint { index: joints.len() - 1, has_offset: false, has_channels: false })
 }
 
@@ -137,23 +149,23 @@ fn joint_line(
         return Err(BvhError::MissingBrace { at: cursor.here(), joint: joints[index].name.clone() });
     };
     let joint = &mut joints[index];
-    if is(word, "OFFSET") {
+    if word.is("OFFSET") {
         once(cursor, word, &mut current.has_offset, &joint.name, "OFFSET")?;
         joint.offset = three_numbers(cursor)?;
-    } else if is(word, "CHANNELS") {
+    } else if word.is("CHANNELS") {
         once(cursor, word, &mut current.has_channels, &joint.name, "CHANNELS")?;
         joint.channels = channels(cursor, &joint.name)?;
-    } else if is(word, "JOINT") {
+    } else if word.is("JOINT") {
         open.push(open_joint(cursor, joints, Some(index))?);
-    } else if is(word, "End") {
+    } else if word.is("End") {
         joint.end_sites.push(end_site(cursor)?);
-    } else if is(word, "}") {
+    } else if word.is("}") {
         close(cursor, word, current, &joint.name)?;
         open.pop();
-    } else if is(word, "MOTION") {
+    } else if word.is("MOTION") {
         return Err(BvhError::MissingBrace { at: cursor.position(word.start), joint: joint.name.clone() });
     } else {
-        return Err(unexpected(cursor, word, "OFFSET, CHANNELS, JOINT, End Site or a closing brace"));
+        return Err(cursor.unexpected(word, "OFFSET, CHANNELS, JOINT, End Site or a closing brace").into());
     }
     Ok(())
 }
@@ -181,16 +193,16 @@ fn close(cursor: &Cursor<'_>, brace: Word<'_>, joint: &OpenJoint, name: &str) ->
 /// What follows the word End: a label, braces and an offset in them.
 fn end_site(cursor: &mut Cursor<'_>) -> Result<[f64; 3], BvhError> {
     cursor.rest_of_line();
-    expect(cursor, "{", "an opening brace")?;
-    expect(cursor, "OFFSET", "OFFSET")?;
+    cursor.expect("{", "an opening brace")?;
+    cursor.expect("OFFSET", "OFFSET")?;
     let offset = three_numbers(cursor)?;
-    expect(cursor, "}", "a closing brace")?;
+    cursor.expect("}", "a closing brace")?;
     Ok(offset)
 }
 
 /// What follows the word CHANNELS; names that follow are counted to the end, so that the message can name both numbers.
 fn channels(cursor: &mut Cursor<'_>, joint: &str) -> Result<Vec<Channel>, BvhError> {
-    let count_word = next(cursor, "a number of channels")?;
+    let count_word = cursor.next("a number of channels")?;
     let announced = cursor.count(count_word, "channels")?;
     let mut found: Vec<Channel> = Vec::new();
     while let Some(word) = cursor.peek() {
@@ -225,7 +237,7 @@ fn channels(cursor: &mut Cursor<'_>, joint: &str) -> Result<Vec<Channel>, BvhErr
 }
 
 fn is_structure(word: Word<'_>) -> bool {
-    ["OFFSET", "JOINT", "End", "}", "{", "MOTION", "CHANNELS"].iter().any(|keyword| is(word, keyword))
+    ["OFFSET", "JOINT", "End", "}", "{", "MOTION", "CHANNELS"].iter().any(|keyword| word.is(keyword))
 }
 
 fn channel(word: &[u8]) -> Option<Channel> {
@@ -246,7 +258,14 @@ fn channel(word: &[u8]) -> Option<Channel> {
 }
 
 /// `frame_count` lines of `width` numbers, blank lines skipped.
-fn rows(cursor: &mut Cursor<'_>, frame_count: usize, width: usize) -> Result<Vec<f64>, BvhError> {
+///
+/// With `gaps`, values that are no finite numbers go there and are NaN in the rows.
+fn rows(
+    cursor: &mut Cursor<'_>,
+    frame_count: usize,
+    width: usize,
+    mut gaps: Option<&mut Vec<Gap>>,
+) -> Result<Vec<f64>, BvhError> {
     // The count is only announced; what follows can hold one number in two bytes at most.
     let mut values = Vec::with_capacity((cursor.remaining() / 2).min(frame_count.saturating_mul(width)));
     for row in 0..if width == 0 { 0 } else { frame_count } {
@@ -256,7 +275,7 @@ fn rows(cursor: &mut Cursor<'_>, frame_count: usize, width: usize) -> Result<Vec
         let mut found = 0;
         let mut word = Some(first);
         while let Some(next) = word {
-            values.push(cursor.number(next)?);
+            values.push(number_or_gap(cursor, next, [row, found], gaps.as_deref_mut())?);
             found += 1;
             word = cursor.word_in_line();
         }
@@ -275,6 +294,21 @@ fn rows(cursor: &mut Cursor<'_>, frame_count: usize, width: usize) -> Result<Vec
     }
 }
 
+fn number_or_gap(
+    cursor: &Cursor<'_>,
+    word: Word<'_>,
+    [row, column]: [usize; 2],
+    gaps: Option<&mut Vec<Gap>>,
+) -> Result<f64, TextError> {
+    match (cursor.number(word), gaps) {
+        (Err(TextError::NotFinite { .. }), Some(gaps)) => {
+            gaps.push(Gap { row, column, start: word.start });
+            Ok(f64::NAN)
+        }
+        (number, _) => number,
+    }
+}
+
 /// Half a unit of the last digit written, e.g. 5e-8 for `.0083333`.
 fn half_unit_of_last_digit(number: &[u8]) -> f64 {
     let exponent_at = number.iter().position(|byte| byte.eq_ignore_ascii_case(&b'e'));
@@ -289,7 +323,7 @@ fn half_unit_of_last_digit(number: &[u8]) -> f64 {
 fn three_numbers(cursor: &mut Cursor<'_>) -> Result<[f64; 3], BvhError> {
     let mut numbers = [0.0; 3];
     for number in &mut numbers {
-        let word = next(cursor, "a number")?;
+        let word = cursor.next("a number")?;
         *number = cursor.number(word)?;
     }
     Ok(numbers)
@@ -303,38 +337,14 @@ fn keyed_word<'a>(
     value: &'static str,
 ) -> Result<Word<'a>, BvhError> {
     for key in keys {
-        expect(cursor, key, keys_quoted)?;
+        cursor.expect(key, keys_quoted)?;
     }
-    next(cursor, value)
+    Ok(cursor.next(value)?)
 }
 
 fn end_line(cursor: &mut Cursor<'_>) -> Result<(), BvhError> {
     match cursor.word_in_line() {
         None => Ok(()),
-        Some(word) => Err(unexpected(cursor, word, "the end of the line")),
+        Some(word) => Err(cursor.unexpected(word, "the end of the line").into()),
     }
-}
-
-fn next<'a>(cursor: &mut Cursor<'a>, expected: &'static str) -> Result<Word<'a>, BvhError> {
-    cursor.word().ok_or_else(|| BvhError::EndOfFile { at: cursor.here(), expected })
-}
-
-fn expect(cursor: &mut Cursor<'_>, keyword: &str, expected: &'static str) -> Result<(), BvhError> {
-    let word = next(cursor, expected)?;
-    if is(word, keyword) {
-        return Ok(());
-    }
-    Err(unexpected(cursor, word, expected))
-}
-
-fn unexpected(cursor: &Cursor<'_>, word: Word<'_>, expected: &'static str) -> BvhError {
-    BvhError::Unexpected {
-        at: cursor.position(word.start),
-        expected,
-        found: format!("`{}`", quote(word.bytes)),
-    }
-}
-
-fn is(word: Word<'_>, keyword: &str) -> bool {
-    word.bytes.eq_ignore_ascii_case(keyword.as_bytes())
 }

@@ -160,7 +160,7 @@ mod tests {
     use glam::DQuat;
 
     use super::*;
-    use crate::clip::bvh::{ReadOptions, Up, read};
+    use crate::clip::read::{Capture, ReadOptions, Up, read};
     use crate::geometry::log;
     use crate::index::{JointId, SourceFrame};
     use crate::skeleton::{Pose, Skeleton};
@@ -209,8 +209,9 @@ mod tests {
             })
             .collect();
         let clip = Clip::from_poses("four joints", Arc::new(skeleton), 1.0 / 0.0417, &poses);
-        let options = ReadOptions { fps: None, unit_to_m: Some(1.0), up: Some(Up::Y) };
-        let back = read(to_bvh(&clip).as_bytes(), "four joints", &options).expect("a valid file").clip;
+        let options = ReadOptions { unit_to_m: Some(1.0), up: Some(Up::Y), ..ReadOptions::default() };
+        let back =
+            read(Capture::Bvh(to_bvh(&clip).as_bytes()), "four joints", &options).expect("a valid file").clip;
         assert!((back.fps - clip.fps).abs() < 1e-12);
         // Depth first: the root, left, left end, right.
         for (here, there) in [(0, 0), (1, 1), (2, 3), (3, 2)] {

@@ -1,9 +1,8 @@
-//! What a BVH file does not say: its unit, which way is up, whether frame 0 belongs to the motion, its true rate.
+//! What a file does not say: its unit, which way is up, whether frame 0 belongs to the motion.
 
 use glam::DVec3;
 
 use super::Up;
-use super::parse::RawBvh;
 use crate::clip::Clip;
 use crate::clip::contacts::percentile;
 use crate::clip::roles::is_helper;
@@ -26,9 +25,13 @@ const LEG_LENGTH: f64 = 0.82;
 /// Distance between the lowest and the highest joint of an adult, metres, for skeletons without legs.
 const JOINT_EXTENT: f64 = 1.4;
 
-/// Rates in use, frames per second, that a rounded frame time may stand for.
-const RATES: [f64; 16] =
-    [24.0, 25.0, 30.0, 48.0, 50.0, 60.0, 72.0, 75.0, 90.0, 100.0, 120.0, 144.0, 150.0, 200.0, 240.0, 250.0];
+/// Rate of film and what is rounded to it, frames per second.
+const FILM_RATES: std::ops::Range<f64> = 23.9..24.1;
+
+/// Whether a rate is what programs write when they are not told one.
+pub(super) fn is_film_rate(fps: f64) -> bool {
+    FILM_RATES.contains(&fps)
+}
 
 /// Whether the skeleton is the 43-joint rig whose rest pose bleeds into the first frames.
 pub(super) fn is_buttock_rig(skeleton: &Skeleton) -> bool {
@@ -132,24 +135,6 @@ fn upright(skeleton: &Skeleton, poses: &[crate::skeleton::Pose]) -> Option<Up> {
     } else {
         None
     }
-}
-
-/// Frames per second of a frame time that may be written in few digits.
-///
-/// A rate in use whose frame time rounds (or was cut) to the digits written is meant: `.0083333` is 120, `.033333` is 30.
-/// Else a whole rate that rounds so. Else the reciprocal as it stands: `.0417083` is 23.976… and no 24.
-pub(super) fn frame_rate(raw: &RawBvh) -> f64 {
-    let time = raw.frame_time;
-    // Twice half a unit: cut digits count as well; a few roundings of the reciprocal on top.
-    let tolerance = 2.0 * raw.frame_time_rounding + 4.0 * f64::EPSILON * time;
-    let distance = |rate: &f64| (1.0 / rate - time).abs();
-    RATES
-        .into_iter()
-        .min_by(|a, b| distance(a).total_cmp(&distance(b)))
-        .into_iter()
-        .chain(std::iter::once((1.0 / time).round()))
-        .find(|rate| distance(rate) <= tolerance)
-        .unwrap_or(1.0 / time)
 }
 
 /// How frame 0 goes over into frame 1.

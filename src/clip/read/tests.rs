@@ -4,6 +4,7 @@ use glam::{DQuat, DVec3};
 use proptest::prelude::*;
 
 use super::*;
+use crate::clip::text::TextError;
 use crate::skeleton::Axis;
 
 const SMALL: &str = "HIERARCHY
@@ -29,11 +30,14 @@ Frame Time: .0083333
 ";
 
 fn options() -> ReadOptions {
-    ReadOptions { fps: None, unit_to_m: Some(1.0), up: Some(Up::Y) }
+    ReadOptions { unit_to_m: Some(1.0), up: Some(Up::Y), ..ReadOptions::default() }
 }
 
 fn read_text(text: &str) -> Result<ReadClip, BvhError> {
-    read(text.as_bytes(), "small", &options())
+    read(Capture::Bvh(text.as_bytes()), "small", &options()).map_err(|error| match error {
+        ReadError::Bvh(error) => error,
+        other => panic!("no fault of the text: {other}"),
+    })
 }
 
 fn read_spoilt(what: &str, by: &str) -> BvhError {
@@ -78,15 +82,15 @@ fn faults_carry_line_and_column() {
     let at = |line, column| Position { line, column };
     assert_eq!(
         read_spoilt("1 2 4 0", "1 2 nan 0"),
-        BvhError::NotFinite { at: at(20, 5), found: "nan".to_owned() }
+        BvhError::Text(TextError::NotFinite { at: at(20, 5), found: "nan".to_owned() })
     );
     assert_eq!(
         read_spoilt("1 2 4 0", "1 2 4 é x"),
-        BvhError::NotANumber { at: at(20, 7), found: "é".to_owned() }
+        BvhError::Text(TextError::NotANumber { at: at(20, 7), found: "é".to_owned() })
     );
     let text = SMALL.replace('\n', "\r\n").replace("0 1 0", "0 1e999 0");
     let error = read_text(&text).expect_err("an overflow");
-    assert_eq!(error, BvhError::NotFinite { at: at(8, 14), found: "1e999".to_owned() });
+    assert_eq!(error, BvhError::Text(TextError::NotFinite { at: at(8, 14), found: "1e999".to_owned() }));
     assert!(error.to_string().starts_with("line 8, column 14: `1e999` is not a finite number"));
 }
 
@@ -109,7 +113,7 @@ fn wrong_counts_name_both_numbers() {
         read_spoilt("CHANNELS 3", "CHANNELS 4"),
         BvhError::ChannelCount { announced: 4, found: 3, .. }
     ));
-    assert!(matches!(read_spoilt("Frames: 2", "Frames: -2"), BvhError::NotACount { .. }));
+    assert!(matches!(read_spoilt("Frames: 2", "Frames: -2"), BvhError::Text(TextError::NotACount { .. })));
     assert!(matches!(read_spoilt("Frames: 2", "Frames: 0"), BvhError::NoFrames { .. }));
 }
 
@@ -123,7 +127,7 @@ fn spoilt_words_are_named() {
     assert!(matches!(read_spoilt("JOINT Left Arm", "JOINT"), BvhError::NoName { .. }));
     assert!(matches!(read_spoilt("MOTION", "ROOT Other"), BvhError::SecondRoot { .. }));
     assert!(matches!(read_spoilt("}\nMOTION", "MOTION"), BvhError::MissingBrace { .. }));
-    assert!(matches!(read_spoilt("}\nMOTION", "}\n}\nMOTION"), BvhError::Unexpected { .. }));
+    assert!(matches!(read_spoilt("}\nMOTION", "}\n}\nMOTION"), BvhError::Text(TextError::Unexpected { .. })));
     assert!(matches!(read_spoilt(".0083333", "0"), BvhError::FrameTime { .. }));
     assert!(matches!(read_spoilt(".0083333", "-0.1"), BvhError::FrameTime { .. }));
     assert!(matches!(read_spoilt("OFFSET 7 8 9", "OFFSET 7 8 9 OFFSET 7 8 9"), BvhError::Repeated { .. }));
@@ -195,7 +199,7 @@ fn position_channels_below_the_root_move_joints() {
 fn z_up_is_turned_with_its_joint_axes() {
     let y_up = read_text(SMALL).expect("a valid file").clip;
     let options = ReadOptions { up: Some(Up::Z), ..options() };
-    let z_up = read(SMALL.as_bytes(), "small", &options).expect("a valid file").clip;
+    let z_up = read(Capture::Bvh(SMALL.as_bytes()), "small", &options).expect("a valid file").clip;
     let turn = DQuat::from_rotation_x(-std::f64::consts::FRAC_PI_2);
     for frame in [SourceFrame(0), SourceFrame(1)] {
         let before = y_up.skeleton.forward_kinematics(&y_up.pose(frame));
@@ -226,7 +230,7 @@ proptest! {
             }
         }
         bytes.truncate(cut.max(1));
-        if let Ok(read) = read(&bytes, "mutated", &ReadOptions::default()) {
+        if let Ok(read) = read(Capture::Bvh(&bytes), "mutated", &ReadOptions::default()) {
             let facts = crate::clip::inspect::inspect("mutated", &read);
             prop_assert_eq!(facts.frames, read.clip.frame_count());
         }

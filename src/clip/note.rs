@@ -1,0 +1,166 @@
+//! What a reader of clips guessed, repaired or found odd.
+
+use std::fmt;
+
+use crate::index::SourceFrame;
+use crate::skeleton::JointRole;
+
+/// Something a person should know about a file that was read.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum ReadNote {
+    /// The unit was guessed from the size of the body.
+    UnitGuessed {
+        /// Metres per file unit.
+        unit_to_m: f64,
+    },
+    /// The skeleton has no size to guess the unit from; metres were taken.
+    UnitUnknown,
+    /// The file was taken to have z up.
+    ZUpGuessed,
+    /// Frame 0 is a rest pose that jumps to frame 1.
+    RestPoseLeftOut {
+        /// First frame to use.
+        first_usable: SourceFrame,
+    },
+    /// The body jumps from frame 0 to frame 1.
+    FirstFrameJumps,
+    /// Two joints share a name.
+    DuplicateName {
+        /// The name.
+        name: String,
+    },
+    /// A joint has more than one end site; the first was kept.
+    EndSitesDropped {
+        /// Name of the joint.
+        joint: String,
+    },
+    /// Position channels below the root were taken as displacements from the offsets.
+    DisplacementChannels,
+    /// Parts of the body were not found.
+    RolesMissing {
+        /// What is missing.
+        roles: Vec<JointRole>,
+    },
+    /// One frame only: no speeds.
+    SingleFrame,
+    /// Values that were no finite numbers were filled in on request.
+    ValuesFilledIn {
+        /// Where.
+        frames: Vec<SourceFrame>,
+    },
+    /// Single frames in which a joint or the body departs and comes back.
+    Glitches {
+        /// Which.
+        frames: Vec<SourceFrame>,
+    },
+    /// The same, filled in on request.
+    GlitchesRepaired {
+        /// Which.
+        frames: Vec<SourceFrame>,
+    },
+    /// The body jumps, and the few frames beyond the jump are not used.
+    JumpLeftOut {
+        /// First frame after the jump.
+        frame: SourceFrame,
+        /// How far.
+        metres: f64,
+        /// First and last frame to use.
+        usable: (SourceFrame, SourceFrame),
+    },
+    /// The body jumps farther than it can between two frames.
+    Jumps {
+        /// First frames after the jumps.
+        frames: Vec<SourceFrame>,
+    },
+    /// The rate is that of film, which programs write when they are not told another.
+    FilmRate {
+        /// Frames per second.
+        fps: f64,
+    },
+}
+
+impl ReadNote {
+    /// Whether this tells of a repair that was asked for, not of a doubt.
+    pub const fn is_repair(&self) -> bool {
+        matches!(self, Self::ValuesFilledIn { .. } | Self::GlitchesRepaired { .. })
+    }
+}
+
+impl fmt::Display for ReadNote {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::UnitGuessed { unit_to_m } => {
+                write!(
+                    f,
+                    "unit guessed from the size of the body: {unit_to_m:.6} m; give `unit` to settle it"
+                )
+            }
+            Self::UnitUnknown => {
+                f.write_str("no size to guess the unit from, metres taken; give `unit` to settle it")
+            }
+            Self::ZUpGuessed => f.write_str("taken to have z up; give `up` to settle it"),
+            Self::RestPoseLeftOut { first_usable } => {
+                let first = first_usable.0;
+                write!(f, "frame 0 is a rest pose; the clip is used from frame {first} on")
+            }
+            Self::FirstFrameJumps => {
+                f.write_str("the body jumps from frame 0 to frame 1; give `frames` to leave frame 0 out")
+            }
+            Self::DuplicateName { name } => {
+                write!(f, "two joints are called `{name}`; the first answers to the name")
+            }
+            Self::EndSitesDropped { joint } => {
+                write!(f, "joint `{joint}` has several end sites; the first was kept")
+            }
+            Self::DisplacementChannels => {
+                f.write_str("position channels below the root are near zero and were added to the offsets")
+            }
+            Self::RolesMissing { roles } => {
+                let names: Vec<&str> = roles.iter().map(|role| role.name()).collect();
+                write!(f, "no joint found for {}", names.join(", "))
+            }
+            Self::SingleFrame => f.write_str("a single frame: a pose, no motion"),
+            Self::ValuesFilledIn { frames } => {
+                write!(f, "values that are no numbers were filled in: {}", frame_list(frames))
+            }
+            Self::Glitches { frames } => write!(
+                f,
+                "a joint departs for a single frame and comes back: {}; `repair` fills it in",
+                frame_list(frames)
+            ),
+            Self::GlitchesRepaired { frames } => {
+                write!(f, "frames that depart and come back were filled in: {}", frame_list(frames))
+            }
+            Self::JumpLeftOut { frame, metres, usable: (first, last) } => write!(
+                f,
+                "the body jumps {metres:.2} m from frame {} to {}; the clip is used from frame {} to {}",
+                frame.0 - 1,
+                frame.0,
+                first.0,
+                last.0
+            ),
+            Self::Jumps { frames } => write!(
+                f,
+                "the body jumps farther than it can: before {}; give `frames` to leave it out",
+                frame_list(frames)
+            ),
+            Self::FilmRate { fps } => write!(
+                f,
+                "{fps} frames a second is what programs write when they are not told the rate; captures are rarely \
+                 taken at it: give `fps` to settle it"
+            ),
+        }
+    }
+}
+
+/// Frames a note names before it says how many more there are.
+const FRAMES_NAMED: usize = 8;
+
+fn frame_list(frames: &[SourceFrame]) -> String {
+    let named: Vec<String> = frames.iter().take(FRAMES_NAMED).map(|frame| frame.0.to_string()).collect();
+    let word = if frames.len() == 1 { "frame" } else { "frames" };
+    let more = frames.len().saturating_sub(FRAMES_NAMED);
+    let rest = if more == 0 { String::new() } else { format!(" and {more} more") };
+    format!("{word} {}{rest}", named.join(", "))
+}

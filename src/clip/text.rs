@@ -1,0 +1,211 @@
+//! Words and lines of a byte buffer, with exact places for errors; shared by all readers of text files.
+
+use std::fmt;
+
+/// A place in a text file, both counted from 1; columns count characters.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[expect(missing_docs, reason = "the names say it")]
+pub struct Position {
+    pub line: usize,
+    pub column: usize,
+}
+
+impl fmt::Display for Position {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "line {}, column {}", self.line, self.column)
+    }
+}
+
+/// What can be wrong with any text file.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+#[expect(missing_docs, reason = "`at` is the place of the fault, the other fields stand in the message")]
+pub enum TextError {
+    /// Another word than the format asks for.
+    #[error("{at}: expected {expected}, found {found}; correct this line or export the file again")]
+    Unexpected { at: Position, expected: &'static str, found: String },
+    /// The file ends too early.
+    #[error(
+        "{at}: the file ends where {expected} should follow; it seems cut short, copy or export it again"
+    )]
+    EndOfFile { at: Position, expected: &'static str },
+    /// A word where a number belongs.
+    #[error("{at}: `{found}` is not a number; decimals are written with a point")]
+    NotANumber { at: Position, found: String },
+    /// NaN, infinity or overflow.
+    #[error("{at}: `{found}` is not a finite number; repair the value or leave the frame out")]
+    NotFinite { at: Position, found: String },
+    /// A count that is negative, a fraction or too large.
+    #[error("{at}: `{found}` is not a count of {what}; write a whole number from 0 to 4294967295")]
+    NotACount { at: Position, found: String, what: &'static str },
+}
+
+impl TextError {
+    /// Where the fault is.
+    pub fn position(&self) -> Position {
+        match self {
+            Self::Unexpected { at, .. }
+            | Self::EndOfFile { at, .. }
+            | Self::NotANumber { at, .. }
+            | Self::NotFinite { at, .. }
+            | Self::NotACount { at, .. } => *at,
+        }
+    }
+}
+
+/// Longest piece of a file that an error quotes, characters.
+const QUOTE_LIMIT: usize = 40;
+
+/// A word of the file and where it starts.
+#[derive(Clone, Copy, Debug)]
+pub(in crate::clip) struct Word<'a> {
+    pub(in crate::clip) start: usize,
+    pub(in crate::clip) bytes: &'a [u8],
+}
+
+impl Word<'_> {
+    /// Whether the word is `keyword`, in any case.
+    pub(in crate::clip) fn is(self, keyword: &str) -> bool {
+        self.bytes.eq_ignore_ascii_case(keyword.as_bytes())
+    }
+}
+
+/// Reads forward; remembers a byte position only, lines and columns are counted when an error needs them.
+#[derive(Clone, Debug)]
+pub(in crate::clip) struct Cursor<'a> {
+    bytes: &'a [u8],
+    at: usize,
+}
+
+impl<'a> Cursor<'a> {
+    /// At the start of `bytes`, behind a byte order mark.
+    pub(in crate::clip) fn new(bytes: &'a [u8]) -> Self {
+        let bytes = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
+        Self { bytes, at: 0 }
+    }
+
+    /// Bytes not yet read.
+    pub(in crate::clip) fn remaining(&self) -> usize {
+        self.bytes.len() - self.at
+    }
+
+    /// Line and column of byte `start`; LF, CR LF and a lone CR end a line.
+    pub(in crate::clip) fn position(&self, start: usize) -> Position {
+        let before = &self.bytes[..start.min(self.bytes.len())];
+        let mut line = 1;
+        let mut line_start = 0;
+        for (index, &byte) in before.iter().enumerate() {
+            let ends = byte == b'\n' || (byte == b'\r' && self.bytes.get(index + 1) != Some(&b'\n'));
+            if ends {
+                line += 1;
+                line_start = index + 1;
+            }
+        }
+        let continuation = |byte: &&u8| **byte & 0xc0 == 0x80;
+        let column = before.len() - line_start - before[line_start..].iter().filter(continuation).count() + 1;
+        Position { line, column }
+    }
+
+    /// Where reading goes on.
+    pub(in crate::clip) fn here(&self) -> Position {
+        self.position(self.at)
+    }
+
+    /// Next word, line ends skipped as blanks; `None` at the end of the file.
+    pub(in crate::clip) fn word(&mut self) -> Option<Word<'a>> {
+        self.skip(|byte| byte.is_ascii_whitespace());
+        self.take_word()
+    }
+
+    /// Next word of this line; `None` where the line has no more.
+    pub(in crate::clip) fn word_in_line(&mut self) -> Option<Word<'a>> {
+        self.skip(|byte| byte.is_ascii_whitespace() && !is_line_end(byte));
+        self.take_word()
+    }
+
+    /// The same without moving.
+    pub(in crate::clip) fn peek(&self) -> Option<Word<'a>> {
+        self.clone().word()
+    }
+
+    /// Rest of this line without blanks around it and without a brace at its end, which is left to be read.
+    pub(in crate::clip) fn rest_of_line(&mut self) -> Word<'a> {
+        self.skip(|byte| byte.is_ascii_whitespace() && !is_line_end(byte));
+        let start = self.at;
+        self.skip(|byte| !is_line_end(byte));
+        let mut bytes = self.bytes[start..self.at].trim_ascii_end();
+        if let Some(before) = bytes.strip_suffix(b"{") {
+            self.at = start + before.len();
+            bytes = before.trim_ascii_end();
+        }
+        Word { start, bytes }
+    }
+
+    /// Next word, whatever it is, where the format asks for `expected`.
+    pub(in crate::clip) fn next(&mut self, expected: &'static str) -> Result<Word<'a>, TextError> {
+        self.word().ok_or_else(|| TextError::EndOfFile { at: self.here(), expected })
+    }
+
+    /// Reads the word `keyword`, in any case.
+    pub(in crate::clip) fn expect(&mut self, keyword: &str, expected: &'static str) -> Result<(), TextError> {
+        let word = self.next(expected)?;
+        if word.is(keyword) { Ok(()) } else { Err(self.unexpected(word, expected)) }
+    }
+
+    /// The error of finding `word` where the format asks for `expected`.
+    pub(in crate::clip) fn unexpected(&self, word: Word<'_>, expected: &'static str) -> TextError {
+        TextError::Unexpected {
+            at: self.position(word.start),
+            expected,
+            found: format!("`{}`", quote(word.bytes)),
+        }
+    }
+
+    fn skip(&mut self, wanted: impl Fn(u8) -> bool) {
+        while self.at < self.bytes.len() && wanted(self.bytes[self.at]) {
+            self.at += 1;
+        }
+    }
+
+    fn take_word(&mut self) -> Option<Word<'a>> {
+        let start = self.at;
+        self.skip(|byte| !byte.is_ascii_whitespace());
+        (self.at > start).then(|| Word { start, bytes: &self.bytes[start..self.at] })
+    }
+
+    /// The finite number written as `word`.
+    pub(in crate::clip) fn number(&self, word: Word<'a>) -> Result<f64, TextError> {
+        let parsed = std::str::from_utf8(word.bytes).ok().and_then(|text| text.parse::<f64>().ok());
+        match parsed {
+            Some(value) if value.is_finite() => Ok(value),
+            Some(_) => Err(TextError::NotFinite { at: self.position(word.start), found: quote(word.bytes) }),
+            None => Err(TextError::NotANumber { at: self.position(word.start), found: quote(word.bytes) }),
+        }
+    }
+
+    /// The whole number written as `word`.
+    pub(in crate::clip) fn count(&self, word: Word<'a>, what: &'static str) -> Result<usize, TextError> {
+        std::str::from_utf8(word.bytes)
+            .ok()
+            .and_then(|text| text.parse::<u32>().ok())
+            .map(|count| count as usize)
+            .ok_or_else(|| TextError::NotACount {
+                at: self.position(word.start),
+                found: quote(word.bytes),
+                what,
+            })
+    }
+}
+
+fn is_line_end(byte: u8) -> bool {
+    byte == b'\n' || byte == b'\r'
+}
+
+/// A piece of the file as an error shows it: printable, not long.
+pub(in crate::clip) fn quote(bytes: &[u8]) -> String {
+    let shown = &bytes[..bytes.len().min(4 * QUOTE_LIMIT)];
+    let text: String =
+        String::from_utf8_lossy(shown).chars().flat_map(char::escape_debug).take(QUOTE_LIMIT).collect();
+    let cut = shown.len() < bytes.len() || text.chars().count() == QUOTE_LIMIT;
+    if cut { text + "…" } else { text }
+}
