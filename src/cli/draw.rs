@@ -53,8 +53,11 @@ impl From<ViewChoice> for StripView {
 /// Width of a PNG over that of its SVG: sharp on dense screens.
 const PNG_SCALE: f64 = 1.25;
 
-/// Draws what is asked for of all clips.
+/// Draws what is asked for of all clips; nothing of none.
 pub(super) fn draw(output: &Output, args: &DrawArgs, clips: &[Clip]) -> Result<(), Failure> {
+    if clips.is_empty() {
+        return Ok(());
+    }
     if let Some(path) = &args.picture {
         write(output, path, (clips, "picture"), clip_svg)?;
     }

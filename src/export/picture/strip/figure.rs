@@ -342,3 +342,47 @@ fn fit_head(skeleton: &Skeleton, poses: &[Vec<JointFrame>]) -> Option<(JointId, 
     }
     Some((joint, Axes::of(up.cross(ahead), up)))
 }
+
+#[cfg(test)]
+mod tests {
+    use std::collections::BTreeMap;
+
+    use super::*;
+    use crate::clip::builtin::generate;
+    use crate::index::SourceFrame;
+
+    fn lowest_and_highest(clip: &Clip, frame: u32) -> (f64, f64) {
+        let figure = Figure::new(clip);
+        let frames = clip.skeleton.forward_kinematics(&clip.pose(SourceFrame(frame)));
+        let groups = figure.groups(&frames);
+        let balls = groups.iter().flat_map(|group| &group.parts).flat_map(|part| &part.balls);
+        balls.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), ball| {
+            (low.min(ball.centre.y - ball.radius), high.max(ball.centre.y + ball.radius))
+        })
+    }
+
+    #[test]
+    fn who_stands_stands_on_the_ground_and_is_as_tall_as_asked() {
+        for stature in [1.3, 1.75, 2.1] {
+            let asked = BTreeMap::from([("stature".to_owned(), stature)]);
+            let idle = generate("idle", &asked).expect("a generated clip");
+            let (low, high) = lowest_and_highest(&idle, 10);
+            // A fist's breadth: shoes have soles, heads have hair.
+            assert!(low.abs() < 0.03, "{low}");
+            assert!((high - stature).abs() < 0.08 * stature, "{high} for {stature}");
+        }
+    }
+
+    #[test]
+    fn a_body_without_hips_is_drawn_as_bones() {
+        let mut idle = generate("idle", &BTreeMap::new()).expect("a generated clip");
+        let mut skeleton = idle.skeleton.as_ref().clone();
+        skeleton.joints.iter_mut().for_each(|joint| joint.role = None);
+        idle.skeleton = skeleton.into();
+        let figure = Figure::new(&idle);
+        let frames = idle.skeleton.forward_kinematics(&idle.pose(SourceFrame(0)));
+        let groups = figure.groups(&frames);
+        assert!(groups.len() >= idle.skeleton.joints.len() - 1);
+        assert!(groups.iter().flat_map(|group| &group.parts).all(|part| part.cloth == Cloth::Bone));
+    }
+}

@@ -5,13 +5,13 @@ use std::f64::consts::TAU;
 use crate::export::picture::svg::Point;
 
 /// A ball as it is seen: its middle and its radius, in one unit.
-pub(super) type Disk = (Point, f64);
+pub(in crate::export::picture) type Disk = (Point, f64);
 
 /// Corners of the convex hull of `disks`, each taken as a polygon of `corners` corners; counter-clockwise where y points
 /// up. Cost: n log n in all corners.
 ///
 /// Source: A. M. Andrew, *Another efficient algorithm for convex hulls in two dimensions*, 1979.
-pub(super) fn hull(disks: &[Disk], corners: u32) -> Vec<Point> {
+pub(in crate::export::picture) fn hull(disks: &[Disk], corners: u32) -> Vec<Point> {
     let mut points: Vec<Point> = disks.iter().flat_map(|disk| rim(*disk, corners)).collect();
     points.sort_by(|a, b| a[0].total_cmp(&b[0]).then(a[1].total_cmp(&b[1])));
     let mut outline = half_hull(points.iter().copied());

@@ -150,3 +150,48 @@ pub(super) fn chosen_frames(clip: &Clip, poses: usize) -> Vec<SourceFrame> {
     frames.dedup_by_key(|(frame, _)| *frame);
     frames.into_iter().map(|(frame, _)| frame).collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use std::collections::BTreeMap;
+
+    use super::*;
+    use crate::clip::builtin::generate;
+
+    /// Somebody 0.6 m wide and 1.7 m high.
+    const BODY: Span = Span { left: -0.3, right: 0.3, low: -0.05, high: 1.7 };
+
+    #[test]
+    fn poses_stand_at_their_distance_where_they_do_not_cover_each_other() {
+        let far = Layout::of(&[BODY; 4], &[0.0, 0.7, 1.5, 2.2]);
+        assert!(far.is_real && far.rows == 1);
+        assert!((far.places[2].1 - far.places[0].1 - 1.5).abs() < 1e-12);
+        let near = Layout::of(&[BODY; 4], &[0.0, 0.7, 0.9, 2.2]);
+        assert!(!near.is_real);
+        let steps: Vec<f64> = near.places.windows(2).map(|pair| pair[1].1 - pair[0].1).collect();
+        assert!(steps.iter().all(|step| (step - steps[0]).abs() < 1e-12 && *step > 0.6));
+        let there_and_back = Layout::of(&[BODY; 3], &[0.0, 2.0, 0.1]);
+        assert!(!there_and_back.is_real, "the first and the last cover each other");
+    }
+
+    #[test]
+    fn many_poses_take_rows_and_stay_large() {
+        let layout = Layout::of(&[BODY; 60], &[0.0; 60]);
+        assert!(layout.rows > 1 && layout.scale >= SCALES.0.min(SCALES.1));
+        assert!(layout.places.iter().all(|(row, x)| *row < layout.rows && *x * layout.scale <= WIDEST));
+    }
+
+    #[test]
+    fn frames_of_events_are_shown_and_so_are_both_ends() {
+        let slap = generate("slap", &BTreeMap::new()).expect("a generated clip");
+        for poses in [2, 5, 12, 40] {
+            let frames = chosen_frames(&slap, poses);
+            assert_eq!(frames.len(), poses);
+            assert!(frames.contains(&slap.events["hit"]), "{poses}");
+            assert!(frames.is_sorted() && frames.windows(2).all(|pair| pair[0] != pair[1]));
+        }
+        let all = chosen_frames(&slap, 10_000);
+        assert_eq!(all.len(), slap.frame_count());
+        assert_eq!(chosen_frames(&slap, 12).last(), Some(&slap.usable.1));
+    }
+}

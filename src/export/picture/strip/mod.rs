@@ -3,11 +3,9 @@
 //! Poses that travel stand at their real distance where they do not cover each other, else they are spaced evenly. Frames
 //! that events name are among them.
 
-use std::fmt::Write as _;
-
 mod camera;
 mod figure;
-mod hull;
+pub(super) mod hull;
 mod landmarks;
 mod layout;
 mod paint;
@@ -18,7 +16,8 @@ use self::camera::Camera;
 use self::figure::{Figure, Group};
 use self::layout::{Layout, Span, chosen_frames};
 use self::paint::{Painter, Stand};
-use super::svg::{GREY, INK, Rect, Sheet, TextStyle, clipped, number, title_of};
+use super::sheet_document;
+use super::svg::{GREY, INK, Sheet, TextStyle, clipped};
 use crate::clip::Clip;
 use crate::clip::facing::headings;
 use crate::geometry::plan_of;
@@ -81,7 +80,7 @@ pub fn strip_svg(clip: &Clip, options: &StripOptions) -> String {
     for row in 0..layout.rows {
         draw_row(&mut painter, clip, &posed, (&layout, row));
     }
-    document(&clip.name, &sheet.body, width, height)
+    sheet_document(&clip.name, &sheet.body, width, height)
 }
 
 /// Heading that the view is taken against: where the clip goes if its body goes ahead, else where it looks at first.
@@ -120,15 +119,9 @@ fn write_head(sheet: &mut Sheet, clip: &Clip, (options, layout): (&StripOptions,
         options.view.name(),
         first.0,
         last.0,
-        rounded(clip.fps),
+        super::rate(clip.fps),
     );
     sheet.text([MARGIN, 54.0], style(12.5, GREY, "start"), &clipped(&caption, 12.5, room));
-}
-
-/// A rate with as many of three decimals as it needs.
-fn rounded(fps: f64) -> String {
-    let text = format!("{fps:.3}");
-    text.trim_end_matches('0').trim_end_matches('.').to_owned()
 }
 
 /// Height of a row with its labels, px.
@@ -184,21 +177,4 @@ fn draw_scale_bar(sheet: &mut Sheet, layout: &Layout) {
     sheet.polyline(&bar, &format!(r#"stroke="{INK}" stroke-width="1.4""#));
     let style = TextStyle { size: 11.5, colour: INK, anchor: "middle", halo: false };
     sheet.text([f64::midpoint(left, right), y - 7.0], style, "1 m");
-}
-
-/// The whole file around the elements.
-fn document(title: &str, body: &str, width: f64, height: f64) -> String {
-    let whole = Rect { x: 0.0, y: 0.0, w: width, h: height };
-    let mut paper = Sheet::default();
-    paper.rect(whole, r##"fill="#ffffff""##);
-    let [width, height] = [width, height].map(number);
-    let size = format!(r#"width="{width}" height="{height}" viewBox="0 0 {width} {height}""#);
-    let mut out = String::with_capacity(body.len() + 1000);
-    let fonts = super::FONTS;
-    let _ = writeln!(out, r#"<svg xmlns="http://www.w3.org/2000/svg" {size} font-family="{fonts}">"#);
-    let _ = writeln!(out, "{}", title_of(title));
-    out.push_str(&paper.body);
-    out.push_str(body);
-    out.push_str("</svg>\n");
-    out
 }
