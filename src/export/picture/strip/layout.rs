@@ -57,8 +57,8 @@ pub(super) struct Layout {
 const WIDEST: f64 = 1548.0;
 /// Narrowest row, px: room for the title.
 const NARROWEST: f64 = 420.0;
-/// Largest and smallest scale, pixels a metre; a standing body is between 260 and 130 px high.
-const SCALES: (f64, f64) = (150.0, 75.0);
+/// Largest and smallest scale, pixels a metre; a standing body is between 155 and 260 px high.
+const SCALES: (f64, f64) = (150.0, 90.0);
 /// Smallest scale of poses at their real distance, pixels a metre.
 const LEAST_REAL: f64 = 62.0;
 /// Between poses spaced evenly, metres.
