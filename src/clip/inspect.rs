@@ -6,7 +6,7 @@ use std::sync::Arc;
 use serde::Serialize;
 
 use crate::clip::contacts::{FootPoint, foot_point, runs};
-use crate::clip::measure::{foot_slide_working, root_path, standing_height};
+use crate::clip::measure::{doubtful_fall, foot_slide_working, root_path, standing_height};
 use crate::clip::note::ReadNote;
 use crate::clip::read::ReadClip;
 use crate::clip::working::WorkingClip;
@@ -151,7 +151,8 @@ fn roles(read: &ReadClip) -> Vec<RoleFact> {
 const DOUBTFUL_SHARE: f64 = 0.4;
 
 fn warnings(read: &ReadClip, working: &WorkingClip) -> Vec<String> {
-    let mut warnings: Vec<String> = read.notes.iter().map(ReadNote::to_string).collect();
+    let fall = doubtful_fall(working);
+    let mut warnings: Vec<String> = read.notes.iter().chain(&fall).map(ReadNote::to_string).collect();
     let unsupported = working
         .contacts
         .iter()

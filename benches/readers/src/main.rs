@@ -1,5 +1,6 @@
 //! Times our reader of BVH files beside the crate `bvh_anim` and a bare parse of the numbers, on the same files in one run.
 //!
+//! `cotillion-readers --try FILE.bvh` says what `bvh_anim` makes of a file, for `scripts/odd_files.py`.
 //! `cotillion-readers FILE.bvh… [--rounds N]` prints, for each file, megabytes a second by the median of the rounds and how
 //! many times faster than `bvh_anim` each is. The readers take turns, so that a busy machine slows them alike. `bvh_anim`
 //! gives channels as they stand in 32 bits; ours gives quaternions in 64 bits, examined for faults.
@@ -22,6 +23,8 @@ fn main() -> ExitCode {
     while let Some(word) = words.next() {
         if word == "--rounds" {
             rounds = words.next().and_then(|count| count.parse().ok()).filter(|count| *count > 0).unwrap_or(rounds);
+        } else if word == "--try" {
+            return attempt(&words.next().unwrap_or_default());
         } else {
             files.push(PathBuf::from(word));
         }
@@ -42,6 +45,28 @@ fn main() -> ExitCode {
         }
     }
     if failed { ExitCode::from(2) } else { ExitCode::SUCCESS }
+}
+
+/// What `bvh_anim` makes of one file: its joints and frames, or its error. It may crash.
+fn attempt(file: &str) -> ExitCode {
+    let bytes = match std::fs::read(file) {
+        Ok(bytes) => bytes,
+        Err(error) => {
+            eprintln!("{file}: {error}");
+            return ExitCode::from(2);
+        }
+    };
+    match bvh_anim::from_bytes(&bytes[..]) {
+        Ok(bvh) => {
+            let is_finite = bvh.frames().all(|frame| frame.as_slice().iter().all(|value| value.is_finite()));
+            println!("{} joints, {} frames{}", bvh.joints().count(), bvh.frames().count(), if is_finite { "" } else { ", NaN or infinity" });
+            ExitCode::SUCCESS
+        }
+        Err(error) => {
+            eprintln!("{error}");
+            ExitCode::FAILURE
+        }
+    }
 }
 
 /// Speeds of all readers on one file.
