@@ -10,7 +10,7 @@ pub use text::facts_text;
 use serde::Serialize;
 
 use crate::clip::contacts::{FootContacts, FootPoint, foot_point, runs};
-use crate::clip::measure::{foot_slide_working, root_path, standing_height};
+use crate::clip::measure::{doubtful_fall, foot_slide_working, root_path, standing_height};
 use crate::clip::note::ReadNote;
 use crate::clip::read::ReadClip;
 use crate::clip::working::WorkingClip;
@@ -220,7 +220,8 @@ fn missing_roles(read: &ReadClip) -> Vec<String> {
 const DOUBTFUL_SHARE: f64 = 0.4;
 
 fn warnings(read: &ReadClip, working: &WorkingClip) -> Vec<String> {
-    let mut warnings: Vec<String> = read.notes.iter().map(ReadNote::to_string).collect();
+    let fall = doubtful_fall(working);
+    let mut warnings: Vec<String> = read.notes.iter().chain(&fall).map(ReadNote::to_string).collect();
     let unsupported = working
         .contacts
         .iter()
