@@ -22,7 +22,11 @@ fn main() -> ExitCode {
     let mut words = std::env::args().skip(1);
     while let Some(word) = words.next() {
         if word == "--rounds" {
-            rounds = words.next().and_then(|count| count.parse().ok()).filter(|count| *count > 0).unwrap_or(rounds);
+            rounds = words
+                .next()
+                .and_then(|count| count.parse().ok())
+                .filter(|count| *count > 0)
+                .unwrap_or(rounds);
         } else if word == "--try" {
             return attempt(&words.next().unwrap_or_default());
         } else {
@@ -33,7 +37,10 @@ fn main() -> ExitCode {
         eprintln!("name BVH files to read");
         return ExitCode::from(2);
     }
-    println!("{:<40} {:>8}  {:>12} {:>12} {:>12}", "MB/s (times bvh_anim)", "MB", READERS[0].0, READERS[1].0, READERS[2].0);
+    println!(
+        "{:<40} {:>8}  {:>12} {:>12} {:>12}",
+        "MB/s (times bvh_anim)", "MB", READERS[0].0, READERS[1].0, READERS[2].0
+    );
     let mut failed = false;
     for file in &files {
         match row(file, rounds) {
@@ -59,7 +66,12 @@ fn attempt(file: &str) -> ExitCode {
     match bvh_anim::from_bytes(&bytes[..]) {
         Ok(bvh) => {
             let is_finite = bvh.frames().all(|frame| frame.as_slice().iter().all(|value| value.is_finite()));
-            println!("{} joints, {} frames{}", bvh.joints().count(), bvh.frames().count(), if is_finite { "" } else { ", NaN or infinity" });
+            println!(
+                "{} joints, {} frames{}",
+                bvh.joints().count(),
+                bvh.frames().count(),
+                if is_finite { "" } else { ", NaN or infinity" }
+            );
             ExitCode::SUCCESS
         }
         Err(error) => {
@@ -92,7 +104,8 @@ fn row(file: &Path, rounds: usize) -> Result<String, String> {
 }
 
 fn ours(bytes: &[u8]) -> Result<f64, String> {
-    let read = read(Capture::Bvh(bytes), "timed", &ReadOptions::default()).map_err(|error| error.to_string())?;
+    let read =
+        read(Capture::Bvh(bytes), "timed", &ReadOptions::default()).map_err(|error| error.to_string())?;
     Ok(read.clip.rotations.iter().map(|rotation| rotation.w).sum())
 }
 
