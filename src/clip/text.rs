@@ -53,6 +53,12 @@ impl TextError {
     }
 }
 
+/// 10⁰ to 10²², all exact.
+const POWERS_OF_TEN: [f64; 23] = [
+    1e0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6, 1e7, 1e8, 1e9, 1e10, 1e11, 1e12, 1e13, 1e14, 1e15, 1e16, 1e17, 1e18,
+    1e19, 1e20, 1e21, 1e22,
+];
+
 /// Longest piece of a file that an error quotes, characters.
 const QUOTE_LIMIT: usize = 40;
 
@@ -128,6 +134,11 @@ impl<'a> Cursor<'a> {
         self.clone().word()
     }
 
+    /// Goes on reading at byte `start`, which a word had.
+    pub(in crate::clip) fn go_to(&mut self, start: usize) {
+        self.at = start;
+    }
+
     /// Rest of this line without blanks around it and without a brace at its end, which is left to be read.
     pub(in crate::clip) fn rest_of_line(&mut self) -> Word<'a> {
         self.skip(|byte| byte.is_ascii_whitespace() && !is_line_end(byte));
@@ -173,6 +184,39 @@ impl<'a> Cursor<'a> {
         (self.at > start).then(|| Word { start, bytes: &self.bytes[start..self.at] })
     }
 
+    /// The number that is next in this line if it is a short decimal, else nothing, without moving: what takes more care
+    /// is left to [`Cursor::word_in_line`] and [`Cursor::number`]. The same value as theirs, several times faster.
+    ///
+    /// Up to 15 digits and a power of ten up to 10²² are exact, so that their product or quotient is the nearest number.
+    /// Source: Clinger, *How to Read Floating Point Numbers Accurately*, PLDI 1990, §4.
+    pub(in crate::clip) fn short_decimal_in_line(&mut self) -> Option<f64> {
+        const MOST_DIGITS: usize = 15;
+        let mut rest = &self.bytes[self.at..];
+        while let [b' ' | b'\t', after @ ..] = rest {
+            rest = after;
+        }
+        let negative = rest.first() == Some(&b'-');
+        rest = &rest[usize::from(negative)..];
+        let (whole, mut rest, before_point) = digits(rest, 0);
+        let (mut number, mut decimals) = (whole, 0);
+        if let [b'.', after @ ..] = rest {
+            (number, rest, decimals) = digits(after, whole);
+        }
+        // More digits overflow.
+        if !(1..=MOST_DIGITS).contains(&(before_point + decimals)) {
+            return None;
+        }
+        let (exponent, rest) = exponent(rest)?;
+        if !rest.first().is_none_or(u8::is_ascii_whitespace) {
+            return None;
+        }
+        // Signed numbers are converted faster.
+        let number = i64::try_from(number).ok()? as f64;
+        let value = scaled(number, exponent - i32::try_from(decimals).ok()?)?;
+        self.at = self.bytes.len() - rest.len();
+        Some(if negative { -value } else { value })
+    }
+
     /// The finite number written as `word`.
     pub(in crate::clip) fn number(&self, word: Word<'a>) -> Result<f64, TextError> {
         let parsed = std::str::from_utf8(word.bytes).ok().and_then(|text| text.parse::<f64>().ok());
@@ -197,6 +241,37 @@ impl<'a> Cursor<'a> {
     }
 }
 
+/// The digits that `text` starts with, appended to `number`; what follows them, and how many they are.
+fn digits(text: &[u8], mut number: u64) -> (u64, &[u8], usize) {
+    let mut rest = text;
+    while let [digit @ b'0'..=b'9', after @ ..] = rest {
+        number = number.wrapping_mul(10).wrapping_add(u64::from(digit - b'0'));
+        rest = after;
+    }
+    (number, rest, text.len() - rest.len())
+}
+
+/// The exponent that `text` starts with, 0 where none is, and what follows; `None` for one of more than four digits.
+fn exponent(text: &[u8]) -> Option<(i32, &[u8])> {
+    let [b'e' | b'E', text @ ..] = text else {
+        return Some((0, text));
+    };
+    let negative = text.first() == Some(&b'-');
+    let signed = usize::from(matches!(text.first(), Some(b'-' | b'+')));
+    let (number, rest, length) = digits(&text[signed..], 0);
+    if !(1..=4).contains(&length) {
+        return None;
+    }
+    let exponent = i32::try_from(number).ok()?;
+    Some((if negative { -exponent } else { exponent }, rest))
+}
+
+/// `digits`·10^`exponent` where one operation on exact numbers gives it.
+fn scaled(digits: f64, exponent: i32) -> Option<f64> {
+    let power = *POWERS_OF_TEN.get(exponent.unsigned_abs() as usize)?;
+    Some(if exponent < 0 { digits / power } else { digits * power })
+}
+
 fn is_line_end(byte: u8) -> bool {
     byte == b'\n' || byte == b'\r'
 }
@@ -208,4 +283,49 @@ pub(in crate::clip) fn quote(bytes: &[u8]) -> String {
         String::from_utf8_lossy(shown).chars().flat_map(char::escape_debug).take(QUOTE_LIMIT).collect();
     let cut = shown.len() < bytes.len() || text.chars().count() == QUOTE_LIMIT;
     if cut { text + "…" } else { text }
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+
+    /// What the careful way makes of the first word of `text`.
+    fn careful(text: &str) -> Option<f64> {
+        let mut cursor = Cursor::new(text.as_bytes());
+        let word = cursor.word_in_line()?;
+        cursor.number(word).ok()
+    }
+
+    proptest! {
+        /// Digits, signs, points, exponents and stray letters in any order: the quick way is the careful one, or none.
+        #[test]
+        fn short_decimals_are_read_as_the_careful_way_reads_them(text in "[ \t]{0,2}[-+]{0,2}[0-9]{0,12}[.]{0,2}[0-9]{0,12}([eE][-+]?)?[0-9x]{0,3} ?") {
+            let mut cursor = Cursor::new(text.as_bytes());
+            if let Some(quick) = cursor.short_decimal_in_line() {
+                prop_assert_eq!(Some(quick.to_bits()), careful(&text).map(f64::to_bits));
+                prop_assert!(cursor.word_in_line().is_none());
+            }
+        }
+
+        #[test]
+        fn what_is_written_with_ten_decimals_is_read_the_quick_way(value in -9999.0..9999.0_f64) {
+            let text = format!("{value:.10}");
+            let quick = Cursor::new(text.as_bytes()).short_decimal_in_line();
+            prop_assert_eq!(quick, careful(&text));
+            prop_assert!(quick.is_some());
+        }
+    }
+
+    #[test]
+    fn what_takes_care_is_left_alone() {
+        for text in
+            ["1e25", "1e", "1e-", "1e00001", "nan", "-", ".", "1.2.3", "+1", "1234567890123456", "1x", ""]
+        {
+            let mut cursor = Cursor::new(text.as_bytes());
+            assert_eq!(cursor.short_decimal_in_line(), None, "{text}");
+            assert_eq!(cursor.remaining(), text.len());
+        }
+    }
 }

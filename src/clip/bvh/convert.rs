@@ -4,6 +4,7 @@ use std::collections::{BTreeMap, HashSet};
 use std::sync::Arc;
 
 use glam::{DQuat, DVec3};
+use rayon::prelude::*;
 
 use super::parse::{Channel, RawBvh, RawJoint};
 use crate::clip::note::ReadNote;
@@ -21,18 +22,19 @@ pub(super) fn clip_in_file_units(raw: &RawBvh, name: &str, fps: f64, notes: &mut
     note_duplicates(&joints, notes);
     assign_roles(&mut joints);
     let starts = channel_starts(&raw.joints);
-    let mut root_positions = Vec::with_capacity(raw.frame_count);
-    let mut rotations = Vec::with_capacity(raw.frame_count * joints.len());
     let width = starts[joints.len()];
-    for frame in 0..raw.frame_count {
-        let row = &raw.values[frame * width..(frame + 1) * width];
-        for (index, joint) in raw.joints.iter().enumerate() {
-            let values = &row[starts[index]..starts[index + 1]];
-            rotations.push(rotation(&joint.channels, values));
+    let row = |frame: usize| &raw.values[frame * width..(frame + 1) * width];
+    let mut rotations = vec![DQuat::IDENTITY; raw.frame_count * joints.len()];
+    rotations.par_chunks_mut(joints.len()).with_min_len(64).enumerate().for_each(|(frame, turns)| {
+        let row = row(frame);
+        for ((turn, joint), columns) in turns.iter_mut().zip(&raw.joints).zip(starts.windows(2)) {
+            *turn = rotation(&joint.channels, &row[columns[0]..columns[1]]);
         }
-        let root = &raw.joints[0];
-        root_positions.push(position(root, DVec3::from_array(root.offset), &row[..starts[1]]));
-    }
+    });
+    let root = &raw.joints[0];
+    let root_positions = (0..raw.frame_count)
+        .map(|frame| position(root, DVec3::from_array(root.offset), &row(frame)[..starts[1]]))
+        .collect();
     Clip {
         name: name.to_owned(),
         skeleton: Arc::new(Skeleton { joints }),
@@ -100,7 +102,7 @@ fn rotation(channels: &[Channel], values: &[f64]) -> DQuat {
     let mut turn = DQuat::IDENTITY;
     for (channel, value) in channels.iter().zip(values) {
         // Whole turns add nothing but rounding.
-        let angle = (value % 360.0).to_radians();
+        let angle = if value.abs() < 360.0 { value.to_radians() } else { (value % 360.0).to_radians() };
         turn *= match channel {
             Channel::Rotation(Axis::X) => DQuat::from_rotation_x(angle),
             Channel::Rotation(Axis::Y) => DQuat::from_rotation_y(angle),

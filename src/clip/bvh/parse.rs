@@ -269,16 +269,11 @@ fn rows(
     // The count is only announced; what follows can hold one number in two bytes at most.
     let mut values = Vec::with_capacity((cursor.remaining() / 2).min(frame_count.saturating_mul(width)));
     for row in 0..if width == 0 { 0 } else { frame_count } {
-        let Some(first) = cursor.word() else {
+        let Some(first) = cursor.peek() else {
             return Err(BvhError::RowsMissing { at: cursor.here(), announced: frame_count, found: row });
         };
-        let mut found = 0;
-        let mut word = Some(first);
-        while let Some(next) = word {
-            values.push(number_or_gap(cursor, next, [row, found], gaps.as_deref_mut())?);
-            found += 1;
-            word = cursor.word_in_line();
-        }
+        cursor.go_to(first.start);
+        let found = row_values(cursor, row, &mut values, gaps.as_deref_mut())?;
         if found != width {
             return Err(BvhError::RowLength {
                 at: cursor.position(first.start),
@@ -291,6 +286,26 @@ fn rows(
     match cursor.word() {
         None => Ok(values),
         Some(word) => Err(BvhError::RowsLeft { at: cursor.position(word.start), announced: frame_count }),
+    }
+}
+
+/// Appends the numbers of this line to `values`, and returns how many.
+fn row_values(
+    cursor: &mut Cursor<'_>,
+    row: usize,
+    values: &mut Vec<f64>,
+    mut gaps: Option<&mut Vec<Gap>>,
+) -> Result<usize, BvhError> {
+    let mut found = 0;
+    loop {
+        if let Some(number) = cursor.short_decimal_in_line() {
+            values.push(number);
+        } else if let Some(word) = cursor.word_in_line() {
+            values.push(number_or_gap(cursor, word, [row, found], gaps.as_deref_mut())?);
+        } else {
+            return Ok(found);
+        }
+        found += 1;
     }
 }
 
