@@ -12,13 +12,12 @@ pub(super) const ROW: usize = 44;
 /// Column of the root's x; y and z follow.
 pub(super) const FIRST_PLACE: usize = 1;
 
-/// Column of the first rotation.
-pub(super) const FIRST_ROTATION: usize = 4;
-
 /// A joint of the humanoid.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Part {
     pub(super) name: &'static str,
+    /// Of its first number in a row.
+    pub(super) column: usize,
     parent: Option<usize>,
     /// From the parent, metres: x ahead, y up, z to the right.
     offset: [f64; 3],
@@ -28,21 +27,21 @@ pub(super) struct Part {
 }
 
 impl Part {
-    const fn ball(name: &'static str, parent: usize, offset: [f64; 3]) -> Self {
-        Self { name, parent: Some(parent), offset, end_site: None, is_hinge: false }
+    const fn ball(name: &'static str, column: usize, parent: usize, offset: [f64; 3]) -> Self {
+        Self { name, column, parent: Some(parent), offset, end_site: None, is_hinge: false }
     }
 
-    const fn hinge(name: &'static str, parent: usize, offset: [f64; 3]) -> Self {
-        Self { is_hinge: true, ..Self::ball(name, parent, offset) }
+    const fn hinge(name: &'static str, column: usize, parent: usize, offset: [f64; 3]) -> Self {
+        Self { is_hinge: true, ..Self::ball(name, column, parent, offset) }
     }
 
     const fn ending(self, end_site: [f64; 3]) -> Self {
         Self { end_site: Some(end_site), ..self }
     }
 
-    /// Numbers in a row.
-    pub(super) const fn width(&self) -> usize {
-        if self.is_hinge { 1 } else { 4 }
+    /// Columns of its numbers in a row.
+    pub(super) const fn columns(&self) -> std::ops::Range<usize> {
+        self.column..self.column + if self.is_hinge { 1 } else { 4 }
     }
 }
 
@@ -60,21 +59,21 @@ const TOE: [f64; 3] = [0.1335, -0.05, 0.0];
 /// Top of the head above the neck: a ball of 0.205 m about (0, 0.175, 0).
 const CROWN: [f64; 3] = [0.0, 0.2775, 0.0];
 
-/// All joints in the order of a row, parents before children.
+/// All joints depth first, as other formats nest them; rows have the legs before the arms.
 pub(super) const BODY: [Part; 13] = [
-    Part { name: "root", parent: None, offset: [0.0; 3], end_site: None, is_hinge: false },
-    Part::ball("chest", 0, [0.0, 0.236_151, 0.0]),
-    Part::ball("neck", 1, [0.0, 0.223_894, 0.0]).ending(CROWN),
-    Part::ball("right_hip", 0, [0.0, 0.0, HIP]),
-    Part::hinge("right_knee", 3, KNEE),
-    Part::ball("right_ankle", 4, ANKLE).ending(TOE),
-    Part::ball("right_shoulder", 1, [-0.024_05, 0.243_5, SHOULDER]),
-    Part::hinge("right_elbow", 6, ELBOW).ending(WRIST),
-    Part::ball("left_hip", 0, [0.0, 0.0, -HIP]),
-    Part::hinge("left_knee", 8, KNEE),
-    Part::ball("left_ankle", 9, ANKLE).ending(TOE),
-    Part::ball("left_shoulder", 1, [-0.024_05, 0.243_5, -SHOULDER]),
-    Part::hinge("left_elbow", 11, ELBOW).ending(WRIST),
+    Part { name: "root", column: 4, parent: None, offset: [0.0; 3], end_site: None, is_hinge: false },
+    Part::ball("chest", 8, 0, [0.0, 0.236_151, 0.0]),
+    Part::ball("neck", 12, 1, [0.0, 0.223_894, 0.0]).ending(CROWN),
+    Part::ball("right_shoulder", 25, 1, [-0.024_05, 0.243_5, SHOULDER]),
+    Part::hinge("right_elbow", 29, 3, ELBOW).ending(WRIST),
+    Part::ball("left_shoulder", 39, 1, [-0.024_05, 0.243_5, -SHOULDER]),
+    Part::hinge("left_elbow", 43, 5, ELBOW).ending(WRIST),
+    Part::ball("right_hip", 16, 0, [0.0, 0.0, HIP]),
+    Part::hinge("right_knee", 20, 7, KNEE),
+    Part::ball("right_ankle", 21, 8, ANKLE).ending(TOE),
+    Part::ball("left_hip", 30, 0, [0.0, 0.0, -HIP]),
+    Part::hinge("left_knee", 34, 10, KNEE),
+    Part::ball("left_ankle", 35, 11, ANKLE).ending(TOE),
 ];
 
 /// The humanoid in metres, with roles.

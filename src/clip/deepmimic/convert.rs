@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use glam::DVec3;
 
-use super::body::{BODY, FIRST_PLACE, FIRST_ROTATION, ROW, rotation, skeleton};
+use super::body::{BODY, FIRST_PLACE, ROW, rotation, skeleton};
 use super::error::DeepMimicError;
 use super::parse::RawMotion;
 use crate::clip::Clip;
@@ -29,17 +29,15 @@ pub(super) fn clip(
     let mut farthest: f64 = 1.0;
     for (row, numbers) in raw.values.chunks_exact(ROW).enumerate() {
         root_positions.push(DVec3::from_slice(&numbers[FIRST_PLACE..]));
-        let mut column = FIRST_ROTATION;
         let mut is_scaled = false;
         for part in &BODY {
-            let (turn, length) = rotation(part, &numbers[column..column + part.width()])
-                .map_err(|length| no_rotation(raw, [row, column], part.name, length))?;
+            let (turn, length) = rotation(part, &numbers[part.columns()])
+                .map_err(|length| no_rotation(raw, [row, part.column], part.name, length))?;
             rotations.push(turn);
             is_scaled |= (length - 1.0).abs() > LENGTH_ROUNDING;
             if (length - 1.0).abs() > (farthest - 1.0).abs() {
                 farthest = length;
             }
-            column += part.width();
         }
         if is_scaled {
             scaled.push(SourceFrame::from_usize(row));
