@@ -198,12 +198,12 @@ fn faults_carry_line_and_column() {
         (
             "0.5, 0.5, 0.5, 0.5",
             "0, 0, 0, 0",
-            E::NoRotation { at: at(6, 24), row: 2, joint: "root", length: 0.0 },
+            E::NoRotation { at: at(6, 25), row: 2, joint: "root", length: 0.0 },
         ),
         (
             "0.5, 0.5, 0.5, 0.5",
             "0, 3, 0, 0",
-            E::NoRotation { at: at(6, 24), row: 2, joint: "root", length: 3.0 },
+            E::NoRotation { at: at(6, 25), row: 2, joint: "root", length: 3.0 },
         ),
         ("[0.033332, 0.1", "[0.05, 0.1", E::Uneven { at: at(5, 2), row: 1, found: 0.033_332, usual: 0.05 }),
     ];
