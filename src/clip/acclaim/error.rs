@@ -56,7 +56,7 @@ pub enum AsfError {
     #[error("{at}: more than {limit} bones; leave out what is not a body")]
     TooManyBones { at: Position, limit: usize },
     /// A length or coordinate that no body has.
-    #[error("{at}: {found} is no {what}; it must lie between {least} and {most}")]
+    #[error("{at}: {found:e} is no {what}; it must lie between {least:e} and {most:e}")]
     OutOfRange { at: Position, found: f64, what: &'static str, least: f64, most: f64 },
     /// Letters that are no order of rotations.
     #[error("{at}: `{found}` is no order of rotations; write each of X, Y and Z once, as in XYZ")]
@@ -146,7 +146,7 @@ pub enum AmcError {
     )]
     ValueCount { at: Position, bone: String, frame: u64, expected: usize, found: usize },
     /// A place of the root that no capture has.
-    #[error("{at}: {found} is no coordinate; the root must stay within {most} file units")]
+    #[error("{at}: {found:e} is no coordinate; the root must stay within {most} file units")]
     TooFar { at: Position, found: f64, most: f64 },
     /// Too many values in a row of frames that are no numbers.
     #[error("{at}: more than {limit} frames without a number here cannot be filled in; leave them out")]

@@ -42,7 +42,7 @@ pub enum DeepMimicError {
     #[error("{at}: the quaternion of `{joint}` in row {row} has length {length}, expected 1; repair it")]
     NoRotation { at: Position, row: usize, joint: &'static str, length: f64 },
     /// A place of the root that no capture has.
-    #[error("{at}: {found} is no coordinate; the root must stay within {most} m")]
+    #[error("{at}: {found:e} is no coordinate; the root must stay within {most} m")]
     TooFar { at: Position, found: f64, most: f64 },
     /// Too many values in a row of frames that are no numbers.
     #[error("{at}: more than {limit} frames without a number here cannot be filled in; leave them out")]
