@@ -6,6 +6,7 @@ use std::fmt::Write;
 use std::path::Path;
 
 use cotillion::edit::Editor;
+use cotillion::export::bvh::BvhOptions;
 use cotillion::export::report::report;
 use cotillion::export::scene::scene_files;
 use cotillion::resample::resample;
@@ -161,7 +162,7 @@ fn perform(text: &str) -> Result<bool, TestCaseError> {
             }
         }
     }
-    prop_assert!(scene_files(editor.scene(), &edit, &resampled).len() == 5);
+    prop_assert!(scene_files(editor.scene(), &edit, &resampled, &BvhOptions::default()).len() == 5);
     Ok(true)
 }
 

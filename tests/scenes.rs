@@ -9,6 +9,7 @@ use std::path::{Path, PathBuf};
 
 use cotillion::constraint::{ConstraintKind, Strength};
 use cotillion::edit::Editor;
+use cotillion::export::bvh::BvhOptions;
 use cotillion::export::scene::scene_files;
 use cotillion::resample::resample;
 use cotillion::residual::residuals;
@@ -108,5 +109,8 @@ fn edited(scene: &Scene) -> Result<Vec<(String, Vec<u8>)>, Failed> {
             return Err(format!("{} has poses that are not finite", clip.name).into());
         }
     }
-    Ok(scene_files(scene, edit, &resampled).into_iter().map(|file| (file.name, file.bytes)).collect())
+    Ok(scene_files(scene, edit, &resampled, &BvhOptions::default())
+        .into_iter()
+        .map(|file| (file.name, file.bytes))
+        .collect())
 }

@@ -49,7 +49,7 @@ impl ReadArgs {
             Some("z" | "Z") => Some(Up::Z),
             Some(other) => return Err(wrong_option("--up", other, "y or z")),
         };
-        let unit_to_m = self.unit.as_deref().map(metres_of_unit).transpose()?;
+        let unit_to_m = self.unit.as_deref().map(|name| metres_of_unit("--unit", name)).transpose()?;
         let (strict, repair) = (self.strict, self.repair);
         Ok(ReadOptions { fps: self.fps, unit_to_m, up, roles: self.roles()?, strict, repair })
     }
@@ -79,15 +79,15 @@ fn is_positive(value: f64) -> bool {
     value.is_finite() && value > 0.0
 }
 
-/// Metres of a unit by its name, or of a number.
-pub(crate) fn metres_of_unit(name: &str) -> Result<f64, PlainError> {
+/// Metres of a unit that `option` gives by its name, or as a number.
+pub(crate) fn metres_of_unit(option: &str, name: &str) -> Result<f64, PlainError> {
     let metres = match name {
         "m" => Some(1.0),
         "cm" => Some(0.01),
         "inch" => Some(0.0254),
         number => number.parse().ok().filter(|value| is_positive(*value)),
     };
-    metres.ok_or_else(|| wrong_option("--unit", name, "m, cm, inch, or metres per file unit"))
+    metres.ok_or_else(|| wrong_option(option, name, "m, cm, inch, or metres per file unit"))
 }
 
 fn generated(asked: &str) -> Result<ReadClip, PlainError> {

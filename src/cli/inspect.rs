@@ -2,29 +2,31 @@
 
 use std::path::Path;
 
+use cotillion::clip::Clip;
 use cotillion::clip::builtin::{self, BuiltinInfo};
 use cotillion::clip::inspect::{ClipFacts, facts_text, inspect as facts_of};
 use cotillion::clip::read::ReadOptions;
-use cotillion::export::bvh::to_bvh;
 use rayon::prelude::*;
 use serde_json::json;
 
 use super::capture::{parameters, plain};
+use super::convert::write_bvh;
+use super::draw::draw;
 use super::output::{Output, PlainError};
 use super::{ClipsArgs, Failure, InspectArgs};
 
 pub(crate) fn inspect(args: &InspectArgs) -> Result<(), Failure> {
     let output = Output::new(args.manner);
-    let options = args.read.options().map_err(|error| {
-        output.errors(&[error]);
-        Failure::BadInput
-    })?;
-    let read: Vec<Result<ClipFacts, PlainError>> =
-        args.clips.par_iter().map(|path| facts(path, args, &options)).collect();
-    let (mut facts, mut errors) = (Vec::new(), Vec::new());
+    let options = args.read.options().map_err(|error| output.fail(error))?;
+    let read: Vec<Result<(Clip, ClipFacts), PlainError>> =
+        args.clips.par_iter().map(|path| clip_and_facts(path, args, &options)).collect();
+    let (mut clips, mut facts, mut errors) = (Vec::new(), Vec::new(), Vec::new());
     for clip in read {
         match clip {
-            Ok(own) => facts.push(own),
+            Ok((clip, own)) => {
+                clips.push(clip);
+                facts.push(own);
+            }
             Err(error) => errors.push(error),
         }
     }
@@ -32,6 +34,7 @@ pub(crate) fn inspect(args: &InspectArgs) -> Result<(), Failure> {
         output.say(&format!("{}\n", facts_text(own)));
     }
     output.print_json(&facts);
+    draw(&output, &args.draw, &clips)?;
     if errors.is_empty() {
         return Ok(());
     }
@@ -39,9 +42,14 @@ pub(crate) fn inspect(args: &InspectArgs) -> Result<(), Failure> {
     Err(Failure::BadInput)
 }
 
-fn facts(path: &Path, args: &InspectArgs, options: &ReadOptions) -> Result<ClipFacts, PlainError> {
+fn clip_and_facts(
+    path: &Path,
+    args: &InspectArgs,
+    options: &ReadOptions,
+) -> Result<(Clip, ClipFacts), PlainError> {
     let read = args.read.read(path, options)?;
-    Ok(facts_of(&path.display().to_string(), &read))
+    let facts = facts_of(&path.display().to_string(), &read);
+    Ok((read.clip, facts))
 }
 
 /// Lists generated clips, or writes one.
@@ -52,24 +60,13 @@ pub(crate) fn clips(args: &ClipsArgs) -> Result<(), Failure> {
         output.print_json(&builtin::names().map(described_json).collect::<Vec<_>>());
         return Ok(());
     };
-    let fail = |error: PlainError| {
-        output.errors(&[error]);
-        Failure::BadInput
-    };
+    let fail = |error: PlainError| output.fail(error);
     let parameters = parameters(&args.parameter).map_err(fail)?;
     let generated = builtin::generate(name, &parameters).map_err(|error| {
         fail(plain(name, error.to_string(), Some("`cotillion clips` lists clips and parameters".to_owned())))
     })?;
     match &args.output {
-        Some(path) => {
-            output.write_file(path, to_bvh(&generated).as_bytes())?;
-            output.say(&format!(
-                "{}: {} frames at {} fps\n",
-                path.display(),
-                generated.frame_count(),
-                generated.fps
-            ));
-        }
+        Some(path) => write_bvh(&output, path, &generated, &args.bvh)?,
         None => {
             let info = builtin::names().find(|info| info.name == name);
             output.say(&info.map_or(String::new(), described));

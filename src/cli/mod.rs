@@ -1,8 +1,11 @@
 //! Commands of the program. Exit codes: 0 done, 1 no result (hard constraints cannot be satisfied, a benchmark failed), 2 wrong usage or bad input.
 
 mod bench;
+mod bvh_args;
 mod capture;
 mod check;
+mod convert;
+mod draw;
 mod inspect;
 mod output;
 mod run;
@@ -13,6 +16,8 @@ use std::process::ExitCode;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use cotillion::edit::Backend;
 
+use bvh_args::BvhArgs;
+use draw::DrawArgs;
 use output::Output;
 
 /// Edits the motion of many synchronized characters: paths bend, times stretch, and every constraint holds.
@@ -29,8 +34,10 @@ enum Command {
     Run(RunArgs),
     /// Read and validate scenes; solve nothing.
     Check(CheckArgs),
-    /// Show the facts of clips: skeleton, rate, units, path, contacts, flights, stationary stretches.
+    /// Show the facts of clips: skeleton, rate, units, path, contacts, flights, stationary stretches; draw them.
     Inspect(InspectArgs),
+    /// Write a clip as BVH: another rate, unit, rotation order, other joint names.
+    Convert(ConvertArgs),
     /// List the generated clips, or write one as BVH.
     Clips(ClipsArgs),
     /// Print the JSON Schema of scene files.
@@ -66,6 +73,8 @@ struct RunArgs {
     /// Solver: exact reduction to the constrained frames, or a sparse LU of all frames (slower; the reference).
     #[arg(long, value_enum, default_value_t)]
     backend: BackendChoice,
+    #[command(flatten)]
+    bvh: BvhArgs,
     #[command(flatten)]
     manner: Manner,
 }
@@ -104,6 +113,23 @@ struct InspectArgs {
     #[command(flatten)]
     read: capture::ReadArgs,
     #[command(flatten)]
+    draw: DrawArgs,
+    #[command(flatten)]
+    manner: Manner,
+}
+
+#[derive(Debug, Args)]
+struct ConvertArgs {
+    /// Clip file (.bvh, .amc, DeepMimic .json or .txt), or `builtin:NAME,PARAMETER=VALUE,…`.
+    clip: PathBuf,
+    /// BVH file to write.
+    #[arg(long, short, value_name = "FILE")]
+    output: PathBuf,
+    #[command(flatten)]
+    read: capture::ReadArgs,
+    #[command(flatten)]
+    bvh: BvhArgs,
+    #[command(flatten)]
     manner: Manner,
 }
 
@@ -117,6 +143,8 @@ struct ClipsArgs {
     /// Parameter of the clip, as NAME=VALUE; may be repeated.
     #[arg(long, short, value_name = "NAME=VALUE", requires = "name")]
     parameter: Vec<String>,
+    #[command(flatten)]
+    bvh: BvhArgs,
     #[command(flatten)]
     manner: Manner,
 }
@@ -145,6 +173,7 @@ pub(crate) fn main() -> ExitCode {
         Command::Run(args) => run::run(&args),
         Command::Check(args) => check::check(&args),
         Command::Inspect(args) => inspect::inspect(&args),
+        Command::Convert(args) => convert::convert(&args),
         Command::Clips(args) => inspect::clips(&args),
         Command::Schema(args) => schema(&args),
         Command::Bench(args) => bench::bench(&args),

@@ -129,6 +129,12 @@ impl Output {
         write_one(path, bytes).map_err(|error| self.unwritable(&error.path, &error.source))
     }
 
+    /// Tells of one error; what the command returns then.
+    pub(crate) fn fail(&self, error: PlainError) -> Failure {
+        self.errors(&[error]);
+        Failure::BadInput
+    }
+
     /// Tells that a file could not be written.
     pub(crate) fn unwritable(&self, path: &Path, error: &std::io::Error) -> Failure {
         self.errors(&[PlainError {

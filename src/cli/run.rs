@@ -17,6 +17,7 @@ use super::{Failure, RunArgs};
 
 pub(crate) fn run(args: &RunArgs) -> Result<(), Failure> {
     let output = Output::new(args.manner);
+    let bvh = args.bvh.options().map_err(|error| output.fail(error))?;
     let bar = output.progress(5);
     let mut timing = Timing::default();
     bar.set_message("reading");
@@ -42,7 +43,7 @@ pub(crate) fn run(args: &RunArgs) -> Result<(), Failure> {
         let resampled = resample(scene, edit)?;
         bar.inc(1);
         bar.set_message("writing");
-        files = scene_files(scene, edit, &resampled);
+        files = scene_files(scene, edit, &resampled, &bvh);
         Ok(report(scene, edit, &resampled))
     });
     let mut told = sampled.map_err(|error: TooLong| {

@@ -120,7 +120,7 @@ fn clear_touching(
 }
 
 /// Mean height of the joints of each pose, helpers left out, metres.
-fn mean_heights(skeleton: &Skeleton, poses: &[Vec<JointFrame>]) -> Vec<f64> {
+pub fn mean_heights(skeleton: &Skeleton, poses: &[Vec<JointFrame>]) -> Vec<f64> {
     let counted: Vec<usize> =
         (0..skeleton.joints.len()).filter(|&index| !is_helper(&skeleton.joints[index].name)).collect();
     poses

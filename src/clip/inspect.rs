@@ -1,16 +1,21 @@
 //! Facts of a clip for people and scripts; whoever calls prints them.
 
-use std::fmt::Write as _;
+mod text;
+
+use std::f64::consts::TAU;
 use std::sync::Arc;
+
+pub use text::facts_text;
 
 use serde::Serialize;
 
-use crate::clip::contacts::{FootPoint, foot_point, runs};
-use crate::clip::measure::{foot_slide_working, root_path, standing_height};
+use crate::clip::contacts::{FootContacts, FootPoint, foot_point, runs};
+use crate::clip::measure::{doubtful_fall, foot_slide_working, root_path, standing_height};
 use crate::clip::note::ReadNote;
 use crate::clip::read::ReadClip;
 use crate::clip::working::WorkingClip;
 use crate::index::{SourceFrame, floor_index};
+use crate::skeleton::JointRole;
 
 /// Facts of one clip; frames are the file's, ranges inclusive, lengths metres.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -31,20 +36,30 @@ pub struct ClipFacts {
     pub height: f64,
     /// Ground length of the root's path, sampled every 0.1 s.
     pub root_path: f64,
+    /// Ground distance of the root from its first place to its last.
+    pub displacement: f64,
+    /// By how much the body faces elsewhere at the end than at the start, degrees, left turns positive, whole turns counted.
+    pub turn_deg: f64,
     /// Length of the usable part in seconds.
     pub seconds: f64,
     /// First and last frame worth using.
     pub usable: FrameRange,
     /// When which point of the feet bears.
     pub contacts: Vec<JointRange>,
+    /// When any point of the left and of the right foot bears.
+    pub feet: Vec<FootFact>,
     /// When nothing touches the ground.
     pub flights: Vec<JointRange>,
     /// When the body stays where it is.
     pub stationary: Vec<FrameRange>,
     /// Mean horizontal speed of the feet in contact, m/s.
     pub foot_slide: Option<f64>,
+    /// Named frames.
+    pub events: Vec<EventFact>,
     /// Joint of each role that was found.
     pub roles: Vec<RoleFact>,
+    /// Roles no joint was found for.
+    pub missing_roles: Vec<String>,
     /// What was guessed or looks odd.
     pub warnings: Vec<String>,
 }
@@ -67,6 +82,23 @@ pub struct JointRange {
     pub from: u32,
     /// Last frame.
     pub to: u32,
+}
+
+/// When a foot bears.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct FootFact {
+    /// `left` or `right`.
+    pub foot: String,
+    /// Longest ranges of frames throughout which some point of it bears.
+    pub ranges: Vec<FrameRange>,
+}
+
+/// A named frame.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+#[expect(missing_docs, reason = "the names say it")]
+pub struct EventFact {
+    pub name: String,
+    pub frame: u32,
 }
 
 /// What a joint is for.
@@ -92,9 +124,12 @@ pub fn inspect(file: &str, read: &ReadClip) -> ClipFacts {
         up: read.up.to_string(),
         height: standing_height(clip, first, last),
         root_path: root_path(clip, first, last),
+        displacement: displacement(&working),
+        turn_deg: turn(&working) * 360.0 / TAU,
         seconds: f64::from(last.0 - first.0) / clip.fps,
         usable: FrameRange { from: first.0, to: last.0 },
         contacts: contact_ranges(&working),
+        feet: feet(&working),
         flights: runs(&working.flight)
             .into_iter()
             .map(range)
@@ -102,7 +137,13 @@ pub fn inspect(file: &str, read: &ReadClip) -> ClipFacts {
             .collect(),
         stationary: runs(&working.stationary).into_iter().map(range).collect(),
         foot_slide: foot_slide_working(&working),
+        events: clip
+            .events
+            .iter()
+            .map(|(name, frame)| EventFact { name: name.clone(), frame: frame.0 })
+            .collect(),
         roles: roles(read),
+        missing_roles: missing_roles(read),
         warnings: warnings(read, &working),
     }
 }
@@ -114,6 +155,29 @@ fn file_range(working: &WorkingClip, run: (usize, usize)) -> FrameRange {
         SourceFrame::from_usize(rounded).min(working.last).0
     };
     FrameRange { from: frame(run.0), to: frame(run.1) }
+}
+
+fn displacement(working: &WorkingClip) -> f64 {
+    let ends = working.positions.first().zip(working.positions.last());
+    ends.map_or(0.0, |(first, last)| (last - first).norm())
+}
+
+fn turn(working: &WorkingClip) -> f64 {
+    let ends = working.headings.first().zip(working.headings.last());
+    ends.map_or(0.0, |(first, last)| last - first)
+}
+
+fn feet(working: &WorkingClip) -> Vec<FootFact> {
+    let left = |contact: &FootContacts| contact.left_heel || contact.left_toe;
+    let right = |contact: &FootContacts| contact.right_heel || contact.right_toe;
+    let fact = |foot: &str, bears: Vec<bool>| FootFact {
+        foot: foot.to_owned(),
+        ranges: runs(&bears).into_iter().map(|run| file_range(working, run)).collect(),
+    };
+    vec![
+        fact("left", working.contacts.iter().map(left).collect()),
+        fact("right", working.contacts.iter().map(right).collect()),
+    ]
 }
 
 fn contact_ranges(working: &WorkingClip) -> Vec<JointRange> {
@@ -144,14 +208,20 @@ fn roles(read: &ReadClip) -> Vec<RoleFact> {
         .filter_map(|joint| Some((joint.role?, joint.name.clone())))
         .collect();
     found.sort();
-    found.into_iter().map(|(role, joint)| RoleFact { role: format!("{role:?}"), joint }).collect()
+    found.into_iter().map(|(role, joint)| RoleFact { role: role.to_string(), joint }).collect()
+}
+
+fn missing_roles(read: &ReadClip) -> Vec<String> {
+    let lacks = |role: &JointRole| read.clip.skeleton.joint_of(*role).is_none();
+    JointRole::ALL.into_iter().filter(lacks).map(|role| role.to_string()).collect()
 }
 
 /// Share of the frames without any contact beyond which the floor is doubtful, when the body does not fly.
 const DOUBTFUL_SHARE: f64 = 0.4;
 
 fn warnings(read: &ReadClip, working: &WorkingClip) -> Vec<String> {
-    let mut warnings: Vec<String> = read.notes.iter().map(ReadNote::to_string).collect();
+    let fall = doubtful_fall(working);
+    let mut warnings: Vec<String> = read.notes.iter().chain(&fall).map(ReadNote::to_string).collect();
     let unsupported = working
         .contacts
         .iter()
@@ -167,66 +237,4 @@ fn warnings(read: &ReadClip, working: &WorkingClip) -> Vec<String> {
         ));
     }
     warnings
-}
-
-/// Ranges a line of [`facts_text`] shows before it says how many more there are.
-const RANGES_SHOWN: usize = 8;
-
-/// The facts as a screen of text, lines ended.
-pub fn facts_text(facts: &ClipFacts) -> String {
-    let mut text = String::new();
-    let mut put = |key: &str, value: String| {
-        writeln!(text, "  {key:<12}{value}").expect("writing to a string does not fail");
-    };
-    put("skeleton", format!("{} joints, {:.2} m to the highest joint", facts.joints, facts.height));
-    put(
-        "frames",
-        format!(
-            "{} at {} a second, {}–{} usable: {:.2} s",
-            facts.frames, facts.fps, facts.usable.from, facts.usable.to, facts.seconds
-        ),
-    );
-    put("units", format!("{:.6} m a file unit, {} up", facts.unit_to_m, facts.up));
-    put("root path", format!("{:.2} m on the ground", facts.root_path));
-    if let Some(slide) = facts.foot_slide {
-        put("foot slide", format!("{slide:.3} m/s in contact"));
-    }
-    for (joint, ranges) in contacts_by_joint(facts) {
-        put("contact", format!("{joint}: {}", range_list(&ranges)));
-    }
-    let flights: Vec<_> = facts.flights.iter().map(|flight| (flight.from, flight.to)).collect();
-    put("flights", range_list(&flights));
-    let stays: Vec<_> = facts.stationary.iter().map(|stay| (stay.from, stay.to)).collect();
-    put("stationary", range_list(&stays));
-    let roles: Vec<String> = facts.roles.iter().map(|fact| format!("{} {}", fact.role, fact.joint)).collect();
-    put("roles", roles.join(", "));
-    for warning in &facts.warnings {
-        put("warning", warning.clone());
-    }
-    format!("{}\n{text}", facts.file)
-}
-
-/// Contacts grouped by joint, in order of appearance.
-fn contacts_by_joint(facts: &ClipFacts) -> Vec<(&str, Vec<(u32, u32)>)> {
-    let mut grouped: Vec<(&str, Vec<(u32, u32)>)> = Vec::new();
-    for contact in &facts.contacts {
-        let joint = contact.joint.as_deref().unwrap_or("body");
-        let range = (contact.from, contact.to);
-        match grouped.iter_mut().find(|(name, _)| *name == joint) {
-            Some((_, ranges)) => ranges.push(range),
-            None => grouped.push((joint, vec![range])),
-        }
-    }
-    grouped
-}
-
-fn range_list(ranges: &[(u32, u32)]) -> String {
-    if ranges.is_empty() {
-        return "none".to_owned();
-    }
-    let shown: Vec<String> =
-        ranges.iter().take(RANGES_SHOWN).map(|(from, to)| format!("{from}–{to}")).collect();
-    let more = ranges.len().saturating_sub(RANGES_SHOWN);
-    let tail = if more > 0 { format!(" and {more} more") } else { String::new() };
-    shown.join(", ") + &tail
 }

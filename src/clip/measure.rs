@@ -3,7 +3,9 @@
 use glam::DVec3;
 
 use crate::clip::Clip;
-use crate::clip::contacts::{FootContacts, FootPoint, foot_point, percentile};
+use crate::clip::contacts::{FootContacts, FootPoint, foot_point, percentile, runs};
+use crate::clip::flight::{fitted_gravity, mean_heights};
+use crate::clip::note::ReadNote;
 use crate::clip::roles::is_helper;
 use crate::clip::working::{WORKING_STEP, WorkingClip};
 use crate::geometry::plan_of;
@@ -55,6 +57,30 @@ pub fn root_path(clip: &Clip, first: SourceFrame, last: SourceFrame) -> f64 {
     // From 0: the sum of nothing is −0.
     (1..=samples).fold(0.0, |length, sample| length + (place(sample) - place(sample - 1)).norm())
 }
+
+/// Shortest flight whose fall tells a wrong rate from noise, working frames.
+const SHORTEST_FALL: usize = 8;
+
+/// Bodies do not fall faster, m/s²: limbs move against the body, and flights are detected a little early or late. Slower
+/// falls may be those of a body that is held.
+const FASTEST_FALL: f64 = 18.0;
+
+/// What to say about a clip that falls faster than bodies do in its longest flight: its rate is wrong, or its unit. `None` where
+/// it does, or no flight is long enough to tell. Cost: linear in frames times joints.
+pub fn doubtful_fall(working: &WorkingClip) -> Option<ReadNote> {
+    let (first, last) = runs(&working.flight).into_iter().max_by_key(|(first, last)| last - first)?;
+    if last + 1 - first < SHORTEST_FALL {
+        return None;
+    }
+    let frames = |index: usize| working.clip.skeleton.forward_kinematics(&working.pose(index as f64));
+    let poses: Vec<Vec<JointFrame>> = (first..=last).map(frames).collect();
+    let gravity = fitted_gravity(&mean_heights(&working.clip.skeleton, &poses), WORKING_STEP);
+    let likely_fps = working.clip.fps * (GRAVITY / gravity).sqrt();
+    (gravity > FASTEST_FALL).then_some(ReadNote::DoubtfulFall { gravity, fps: working.clip.fps, likely_fps })
+}
+
+/// m/s².
+const GRAVITY: f64 = 9.81;
 
 /// Share of the frames in which a body is lower than its standing height: more than half, as captures bend now and then.
 const STANDING_SHARE: f64 = 0.6;

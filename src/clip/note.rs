@@ -90,6 +90,15 @@ pub enum ReadNote {
         /// Which.
         frames: Vec<SourceFrame>,
     },
+    /// The body falls faster than bodies do.
+    DoubtfulFall {
+        /// Downward acceleration of the mean of the joints, m/s².
+        gravity: f64,
+        /// Frames per second it was read at.
+        fps: f64,
+        /// Frames per second at which it would fall with 9.81 m/s².
+        likely_fps: f64,
+    },
     /// The rate is that of film, which programs write when they are not told another.
     FilmRate {
         /// Frames per second.
@@ -178,10 +187,16 @@ impl fmt::Display for ReadNote {
                 "frames that last longer or shorter than the others were taken to last as long: {}",
                 frame_list(frames)
             ),
+            Self::DoubtfulFall { gravity, fps, likely_fps } => write!(
+                f,
+                "the body falls with {gravity:.1} m/s² at {fps} frames a second: with {likely_fps:.0} it would fall as bodies do; \
+                 give `fps`, or `unit`, if that is wrong"
+            ),
             Self::FilmRate { fps } => write!(
                 f,
-                "{fps} frames a second is what programs write when they are not told the rate; captures are rarely \
-                 taken at it: give `fps` to settle it"
+                "{} frames a second is what programs write when they are not told the rate; captures are rarely \
+                 taken at it: give `fps` to settle it",
+                (fps * 1e3).round() / 1e3
             ),
         }
     }

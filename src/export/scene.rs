@@ -3,7 +3,7 @@
 use crate::constraint::{Constraint, ConstraintKind, Partner, Relation, Strength, When};
 use crate::edit::expand::frame_of;
 use crate::edit::{Edit, EditedCharacter};
-use crate::export::bvh::to_bvh;
+use crate::export::bvh::{BvhOptions, to_bvh_with};
 use crate::export::files::{OutputFile, file_names};
 use crate::export::gltf::{GlbObject, GlbScene, Performer, to_glb};
 use crate::export::picture::{Actor, Handle, Picture, PictureObject, Tie, to_svg};
@@ -13,12 +13,15 @@ use crate::resample::{Resampled, time_of};
 use crate::scene::{Character, Scene};
 
 /// BVH files, GLB and picture of an edited scene, in this order.
-pub fn scene_files(scene: &Scene, edit: &Edit, resampled: &Resampled) -> Vec<OutputFile> {
+pub fn scene_files(scene: &Scene, edit: &Edit, resampled: &Resampled, bvh: &BvhOptions) -> Vec<OutputFile> {
     let names: Vec<&str> = scene.characters.iter().map(|character| character.name.as_str()).collect();
     let mut files: Vec<OutputFile> = file_names(&names)
         .into_iter()
         .zip(&resampled.clips)
-        .map(|(name, clip)| OutputFile { name: format!("{name}.bvh"), bytes: to_bvh(clip).into_bytes() })
+        .map(|(name, clip)| OutputFile {
+            name: format!("{name}.bvh"),
+            bytes: to_bvh_with(clip, bvh).into_bytes(),
+        })
         .collect();
     files.push(OutputFile { name: "scene.glb".to_owned(), bytes: glb(scene, resampled) });
     let svg = picture_svg(scene, edit);

@@ -8,6 +8,7 @@ use std::sync::Arc;
 use rayon::prelude::*;
 
 use crate::clip::Clip;
+use crate::clip::measure::doubtful_fall;
 use crate::clip::note::ReadNote;
 use crate::clip::read::{self, ReadOptions};
 use crate::clip::working::{WORKING_STEP, WorkingClip};
@@ -223,6 +224,9 @@ pub fn within(field: &Field<f64>, largest: f64, what: &str, report: &mut Report)
     None
 }
 
+/// What to do about a reader's note.
+const NOTE_HELP: &str = "settle it in the clip's table, or leave it if it is right";
+
 /// The clip as its tracks use it: range and named frames.
 fn entry(name: &str, declared: &At<raw::Clip>, read: Option<&Read>, report: &mut Report) -> Entry {
     let (frames, events) = match &declared.value {
@@ -237,8 +241,7 @@ fn entry(name: &str, declared: &At<raw::Clip>, read: Option<&Read>, report: &mut
     let settled = matches!(frames, Field::Given(_));
     let known = |note: &&ReadNote| settled && matches!(note, ReadNote::RestPoseLeftOut { .. });
     for note in notes.iter().filter(|note| !known(note)) {
-        let help = "settle it in the clip's table, or leave it if it is right";
-        report.warn(&declared.place, format!("clip \"{name}\": {note}"), help);
+        report.warn(&declared.place, format!("clip \"{name}\": {note}"), NOTE_HELP);
     }
     let range = range(clip, frames, &declared.place, report);
     let mut named = clip.events.clone();
@@ -247,6 +250,9 @@ fn entry(name: &str, declared: &At<raw::Clip>, read: Option<&Read>, report: &mut
         check_events(events, range, report);
     }
     let working = range.map(|(first, last)| WorkingClip::new(name, Arc::clone(clip), first, last));
+    if let Some(note) = working.as_ref().and_then(doubtful_fall) {
+        report.warn(&declared.place, format!("clip \"{name}\": {note}"), NOTE_HELP);
+    }
     Entry { name: name.to_owned(), clip: working.map(Arc::new), events: Arc::new(named) }
 }
 

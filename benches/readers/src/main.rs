@@ -1,5 +1,6 @@
 //! Times our reader of BVH files beside the crate `bvh_anim` and a bare parse of the numbers, on the same files in one run.
 //!
+//! `cotillion-readers --try FILE.bvh` says what `bvh_anim` makes of a file, for `scripts/odd_files.py`.
 //! `cotillion-readers FILE.bvh… [--rounds N]` prints, for each file, megabytes a second by the median of the rounds and how
 //! many times faster than `bvh_anim` each is. The readers take turns, so that a busy machine slows them alike. `bvh_anim`
 //! gives channels as they stand in 32 bits; ours gives quaternions in 64 bits, examined for faults.
@@ -21,7 +22,13 @@ fn main() -> ExitCode {
     let mut words = std::env::args().skip(1);
     while let Some(word) = words.next() {
         if word == "--rounds" {
-            rounds = words.next().and_then(|count| count.parse().ok()).filter(|count| *count > 0).unwrap_or(rounds);
+            rounds = words
+                .next()
+                .and_then(|count| count.parse().ok())
+                .filter(|count| *count > 0)
+                .unwrap_or(rounds);
+        } else if word == "--try" {
+            return attempt(&words.next().unwrap_or_default());
         } else {
             files.push(PathBuf::from(word));
         }
@@ -30,7 +37,10 @@ fn main() -> ExitCode {
         eprintln!("name BVH files to read");
         return ExitCode::from(2);
     }
-    println!("{:<40} {:>8}  {:>12} {:>12} {:>12}", "MB/s (times bvh_anim)", "MB", READERS[0].0, READERS[1].0, READERS[2].0);
+    println!(
+        "{:<40} {:>8}  {:>12} {:>12} {:>12}",
+        "MB/s (times bvh_anim)", "MB", READERS[0].0, READERS[1].0, READERS[2].0
+    );
     let mut failed = false;
     for file in &files {
         match row(file, rounds) {
@@ -42,6 +52,33 @@ fn main() -> ExitCode {
         }
     }
     if failed { ExitCode::from(2) } else { ExitCode::SUCCESS }
+}
+
+/// What `bvh_anim` makes of one file: its joints and frames, or its error. It may crash.
+fn attempt(file: &str) -> ExitCode {
+    let bytes = match std::fs::read(file) {
+        Ok(bytes) => bytes,
+        Err(error) => {
+            eprintln!("{file}: {error}");
+            return ExitCode::from(2);
+        }
+    };
+    match bvh_anim::from_bytes(&bytes[..]) {
+        Ok(bvh) => {
+            let is_finite = bvh.frames().all(|frame| frame.as_slice().iter().all(|value| value.is_finite()));
+            println!(
+                "{} joints, {} frames{}",
+                bvh.joints().count(),
+                bvh.frames().count(),
+                if is_finite { "" } else { ", NaN or infinity" }
+            );
+            ExitCode::SUCCESS
+        }
+        Err(error) => {
+            eprintln!("{error}");
+            ExitCode::FAILURE
+        }
+    }
 }
 
 /// Speeds of all readers on one file.
@@ -67,7 +104,8 @@ fn row(file: &Path, rounds: usize) -> Result<String, String> {
 }
 
 fn ours(bytes: &[u8]) -> Result<f64, String> {
-    let read = read(Capture::Bvh(bytes), "timed", &ReadOptions::default()).map_err(|error| error.to_string())?;
+    let read =
+        read(Capture::Bvh(bytes), "timed", &ReadOptions::default()).map_err(|error| error.to_string())?;
     Ok(read.clip.rotations.iter().map(|rotation| rotation.w).sum())
 }
 

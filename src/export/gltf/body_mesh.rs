@@ -115,7 +115,7 @@ impl BodyMesh {
 }
 
 /// How large the body is against one of 1.75 m: by its legs, else by its height.
-fn body_scale(skeleton: &Skeleton, rest: &[DVec3]) -> f64 {
+pub(in crate::export) fn body_scale(skeleton: &Skeleton, rest: &[DVec3]) -> f64 {
     let place = |role| skeleton.joint_of(role).map(|joint| rest[joint.as_usize()]);
     let leg = [JointRole::LeftHip, JointRole::LeftKnee, JointRole::LeftFoot].map(place);
     if let [Some(hip), Some(knee), Some(ankle)] = leg {

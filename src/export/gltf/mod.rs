@@ -1,6 +1,6 @@
 //! GLB files (binary glTF 2.0): every character a skinned simple body, one animation for all, objects as boxes.
 
-mod body_mesh;
+pub(super) mod body_mesh;
 mod buffer;
 mod stage;
 

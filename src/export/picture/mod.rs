@@ -1,4 +1,4 @@
-//! The picture of an edited scene: its paths from above, its time tracks below, as SVG and PNG.
+//! Pictures as SVG and PNG: of an edited scene, its paths from above and its time tracks below; of one clip; charts of costs.
 
 use std::fmt::Write as _;
 
@@ -6,19 +6,23 @@ use crate::geometry::c64;
 
 mod axis;
 mod chart;
+mod clip;
 mod flags;
 mod handles;
 mod labels;
 mod legend;
 mod plan;
 mod png;
+mod strip;
 mod stroke_font;
 mod svg;
 mod tracks;
 mod view;
 
 pub use chart::{Chart, Series, chart_svg};
+pub use clip::clip_svg;
 pub use png::{PictureError, to_png};
+pub use strip::{StripOptions, StripView, strip_svg};
 
 use legend::draw_legend;
 use plan::draw_plan;
@@ -145,6 +149,29 @@ fn document(title: &str, body: &str, (height, frame): (f64, Rect)) -> String {
     out.push_str(body);
     out.push_str("</svg>\n");
     out
+}
+
+/// A whole file of some size around elements, on white.
+fn sheet_document(title: &str, body: &str, width: f64, height: f64) -> String {
+    let whole = Rect { x: 0.0, y: 0.0, w: width, h: height };
+    let mut paper = Sheet::default();
+    paper.rect(whole, r##"fill="#ffffff""##);
+    let [width, height] = [width, height].map(number);
+    let size = format!(r#"width="{width}" height="{height}" viewBox="0 0 {width} {height}""#);
+    let mut out = String::with_capacity(body.len() + 1000);
+    let fonts = FONTS;
+    let _ = writeln!(out, r#"<svg xmlns="http://www.w3.org/2000/svg" {size} font-family="{fonts}">"#);
+    let _ = writeln!(out, "{}", title_of(title));
+    out.push_str(&paper.body);
+    out.push_str(body);
+    out.push_str("</svg>\n");
+    out
+}
+
+/// A rate with as many of three decimals as it needs.
+fn rate(fps: f64) -> String {
+    let text = format!("{fps:.3}");
+    text.trim_end_matches('0').trim_end_matches('.').to_owned()
 }
 
 #[cfg(test)]

@@ -57,7 +57,7 @@ pub(super) fn draw_plan(sheet: &mut Sheet, view: &View, picture: &Picture) {
 }
 
 /// Grid lines with their metres.
-fn draw_grid(sheet: &mut Sheet, view: &View) {
+pub(super) fn draw_grid(sheet: &mut Sheet, view: &View) {
     let frame = view.frame;
     let (low, high) = view.corners();
     let step = round_step(GRID_SPACING / view.scale);
@@ -85,7 +85,7 @@ fn scale_bar(view: &View) -> (Rect, f64) {
     (Rect { x: frame.x + frame.w - w - 14.0, y: frame.y + frame.h - 30.0, w, h: 20.0 }, step)
 }
 
-fn draw_scale_bar(sheet: &mut Sheet, view: &View) {
+pub(super) fn draw_scale_bar(sheet: &mut Sheet, view: &View) {
     let (rect, step) = scale_bar(view);
     let (left, right, y) = (rect.x, rect.x + rect.w, rect.y + rect.h - 2.0);
     let bar = [[left, y - 4.0], [left, y], [right, y], [right, y - 4.0]];

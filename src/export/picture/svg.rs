@@ -171,9 +171,9 @@ pub(super) fn escaped(text: &str) -> String {
 }
 
 /// Hexadecimal sRGB, `share` of the way to white.
-pub(super) fn tinted(colour: [u8; 3], share: f64) -> String {
+pub(super) fn tinted<Channel: Into<f64>>(colour: [Channel; 3], share: f64) -> String {
     let [r, g, b] = colour.map(|channel| {
-        let channel = f64::from(channel);
+        let channel: f64 = channel.into();
         format!("{:.0}", channel + (255.0 - channel) * share)
     });
     format!("rgb({r},{g},{b})")

@@ -37,6 +37,16 @@ impl View {
         View { frame: Rect { x: corner[0], y: corner[1], w: width, h: height }, scale, centre }
     }
 
+    /// Fits points into a frame.
+    pub(super) fn enclosing(points: impl Iterator<Item = c64>, frame: Rect) -> Self {
+        let (low, high) = bounds(points);
+        let centre = (low + high) / 2.0;
+        let least = LEAST_EXTENT.max(centre.norm() * 1e-6);
+        let (across, up) = ((high - low).re.max(least), (high - low).im.max(least));
+        let scale = ((frame.w - 2.0 * PADDING) / across).min((frame.h - 2.0 * PADDING) / up);
+        View { frame, scale, centre }
+    }
+
     /// Place of a plan point.
     pub(super) fn place(&self, point: c64) -> Point {
         let from_centre = (point - self.centre) * self.scale;
@@ -96,7 +106,12 @@ fn extent(picture: &Picture) -> (c64, c64) {
     let paths = picture.actors.iter().flat_map(|actor| actor.rest.iter().chain(actor.edited));
     let targets = picture.handles.iter().filter_map(|handle| handle.target);
     let bases = picture.objects.iter().flat_map(base);
-    let points = paths.copied().chain(targets).chain(bases).filter(|point| is_drawable(*point));
+    bounds(paths.copied().chain(targets).chain(bases))
+}
+
+/// Lower left and upper right corner of what can be drawn.
+fn bounds(points: impl Iterator<Item = c64>) -> (c64, c64) {
+    let points = points.filter(|point| is_drawable(*point));
     let bounds = points.fold(None, |bounds: Option<(c64, c64)>, point| {
         let (low, high) = bounds.unwrap_or((point, point));
         Some((

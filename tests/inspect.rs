@@ -1,0 +1,231 @@
+//! What `cotillion inspect`, `cotillion convert` and their pictures promise.
+
+use std::collections::BTreeMap;
+use std::fs;
+use std::path::Path;
+use std::process::{Command, Output};
+
+use cotillion::clip::builtin::generate;
+use cotillion::clip::read::{Capture, ReadOptions, Up, read};
+use cotillion::export::picture::{StripOptions, StripView, clip_svg, strip_svg, to_png};
+use serde_json::Value;
+
+fn cotillion(arguments: &[&str]) -> Output {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_cotillion"));
+    command.args(arguments).env_remove("COTILLION_MOCAP").env("NO_COLOR", "1");
+    command.output().expect("the program starts")
+}
+
+fn said(bytes: &[u8]) -> String {
+    String::from_utf8_lossy(bytes).into_owned()
+}
+
+fn text(path: &Path) -> &str {
+    path.to_str().expect("temporary paths are UTF-8")
+}
+
+fn names_in(folder: &Path) -> Vec<String> {
+    let entries = fs::read_dir(folder).expect("readable").flatten();
+    let mut names: Vec<String> =
+        entries.map(|entry| entry.file_name().to_string_lossy().into_owned()).collect();
+    names.sort();
+    names
+}
+
+/// Bodies of which little or nothing is known: one joint, a chain without names, one frame, no extent at all.
+const ODD: [&str; 4] = [
+    "HIERARCHY\nROOT a\n{\nOFFSET 0 0 0\nCHANNELS 6 Xposition Yposition Zposition Zrotation Xrotation Yrotation\n\
+     End Site\n{\nOFFSET 0 1 0\n}\n}\nMOTION\nFrames: 3\nFrame Time: 0.0333333\n\
+     0 0 0 0 0 0\n1 0 0 9 9 9\n2 0 0 0 0 0\n",
+    "HIERARCHY\nROOT a\n{\nOFFSET 0 0 0\nCHANNELS 3 Zrotation Xrotation Yrotation\nJOINT b\n{\nOFFSET 0 0 0\n\
+     CHANNELS 3 Zrotation Xrotation Yrotation\nEnd Site\n{\nOFFSET 0 0 0\n}\n}\n}\nMOTION\nFrames: 2\n\
+     Frame Time: 0.0333333\n0 0 0 0 0 0\n0 0 0 90 0 0\n",
+    "HIERARCHY\nROOT Hips\n{\nOFFSET 0 0 0\nCHANNELS 3 Xposition Yposition Zposition\nEnd Site\n{\nOFFSET 0 1 0\n}\n}\n\
+     MOTION\nFrames: 1\nFrame Time: 0.0333333\n1e5 -3 7\n",
+    "HIERARCHY\nROOT Hips\n{\nOFFSET 0 0 0\nCHANNELS 3 Xposition Yposition Zposition\nJOINT LeftUpLeg\n{\nOFFSET 0 0 0\n\
+     CHANNELS 1 Xrotation\nEnd Site\n{\nOFFSET 0 0 0\n}\n}\nJOINT RightUpLeg\n{\nOFFSET 0 0 0\nCHANNELS 1 Xrotation\n\
+     End Site\n{\nOFFSET 0 0 0\n}\n}\n}\nMOTION\nFrames: 2\nFrame Time: 0.01\n0 0 0 0 0\n0 9 0 9 9\n",
+];
+
+const VIEWS: [StripView; 4] = [StripView::Side, StripView::Front, StripView::Above, StripView::ThreeQuarter];
+
+fn assert_sound(svg: &str) {
+    assert!(!svg.contains("NaN") && !svg.contains("inf\""), "numbers are finite");
+    assert!(to_png(svg, 300).is_ok_and(|bytes| !bytes.is_empty()), "it is a picture");
+}
+
+#[test]
+fn every_clip_has_pictures_however_odd_it_is() {
+    for (index, text) in ODD.iter().enumerate() {
+        let options = ReadOptions { unit_to_m: Some(1.0), up: Some(Up::Y), ..ReadOptions::default() };
+        let clip = read(Capture::Bvh(text.as_bytes()), "odd", &options)
+            .unwrap_or_else(|error| panic!("{index}: {error}"))
+            .clip;
+        assert_sound(&clip_svg(&clip));
+        for view in VIEWS {
+            assert_sound(&strip_svg(&clip, &StripOptions { poses: 5, view }));
+        }
+    }
+}
+
+#[test]
+fn equal_clips_have_equal_pictures() {
+    let walk = || generate("walk", &BTreeMap::new()).expect("a generated clip");
+    assert_eq!(clip_svg(&walk()), clip_svg(&walk()));
+    for view in VIEWS {
+        let options = StripOptions { poses: 7, view };
+        let svg = strip_svg(&walk(), &options);
+        assert_eq!(svg, strip_svg(&walk(), &options));
+        assert_eq!(svg.matches("<title>frame ").count(), 7);
+    }
+}
+
+#[test]
+fn a_strip_names_the_events_it_shows() {
+    let slap = generate("slap", &BTreeMap::new()).expect("a generated clip");
+    let svg = strip_svg(&slap, &StripOptions::default());
+    assert!(svg.contains(">hit</text>"));
+    assert!(svg.contains(&format!(">{}</text>", slap.events["hit"].0)));
+    assert!(clip_svg(&slap).contains(">hit</text>"));
+}
+
+#[test]
+fn one_clip_goes_to_a_file_and_several_to_a_folder() {
+    let home = tempfile::tempdir().expect("a temporary folder");
+    let (svg, png) = (home.path().join("walk.svg"), home.path().join("walk.png"));
+    let output = cotillion(&[
+        "inspect",
+        "builtin:walk,speed=1.5",
+        "--picture",
+        text(&svg),
+        "--strip",
+        text(&png),
+        "--view",
+        "front",
+    ]);
+    assert_eq!(output.status.code(), Some(0), "{}", said(&output.stderr));
+    assert!(fs::read_to_string(&svg).is_ok_and(|svg| svg.starts_with("<svg")));
+    assert!(fs::read(&png).is_ok_and(|png| png.starts_with(b"\x89PNG")));
+    let folder = home.path().join("pictures/all");
+    let output = cotillion(&[
+        "inspect",
+        "builtin:walk",
+        "builtin:idle",
+        "builtin:walk,speed=1",
+        "--strip",
+        text(&folder),
+        "-q",
+    ]);
+    assert_eq!(
+        (output.status.code(), said(&output.stdout)),
+        (Some(0), String::new()),
+        "{}",
+        said(&output.stderr)
+    );
+    assert_eq!(names_in(&folder), ["idle.strip.png", "walk-2.strip.png", "walk.strip.png"]);
+    let output = cotillion(&["inspect", "builtin:walk", "builtin:idle", "--strip", text(&png)]);
+    assert_eq!(output.status.code(), Some(2));
+    assert!(said(&output.stderr).contains("help: name a folder"), "{}", said(&output.stderr));
+}
+
+#[test]
+fn pictures_leave_the_json_alone() {
+    let home = tempfile::tempdir().expect("a temporary folder");
+    let file = home.path().join("slap.svg");
+    let output = cotillion(&["inspect", "builtin:slap", "--json", "--picture", text(&file)]);
+    let facts: Value = serde_json::from_slice(&output.stdout).expect("JSON and nothing else");
+    assert_eq!(facts[0]["events"][0]["name"], "hit");
+    assert_eq!(facts[0]["feet"][1]["foot"], "right");
+    assert!(facts[0]["displacement"].is_f64() && facts[0]["turn_deg"].is_f64());
+    assert_eq!(facts[0]["missing_roles"].as_array().map(Vec::len), Some(0));
+    assert!(file.exists());
+}
+
+#[test]
+fn wrong_options_end_with_exit_code_2_and_write_nothing() {
+    let home = tempfile::tempdir().expect("a temporary folder");
+    let file = home.path().join("x.bvh");
+    let wrong = [
+        &["--bvh-unit", "ell"][..],
+        &["--bvh-unit", "1e9"],
+        &["--bvh-rate", "0"],
+        &["--bvh-rate", "nan"],
+        &["--bvh-order", "xxy"],
+        &["--bvh-names", "ours"],
+    ];
+    for options in wrong {
+        let mut arguments = vec!["convert", "builtin:idle", "-o", text(&file)];
+        arguments.extend(options);
+        let output = cotillion(&arguments);
+        assert_eq!(output.status.code(), Some(2), "{options:?}");
+        assert!(!output.stderr.is_empty() && !file.exists(), "{options:?}");
+    }
+    for options in [&["--poses", "0"][..], &["--view", "front"]] {
+        let mut arguments = vec!["inspect", "builtin:idle"];
+        arguments.extend(options);
+        assert_eq!(cotillion(&arguments).status.code(), Some(2), "{options:?}");
+    }
+}
+
+#[test]
+fn a_clip_is_converted_to_the_rate_unit_order_and_names_asked_for() {
+    let home = tempfile::tempdir().expect("a temporary folder");
+    let (first, second) = (home.path().join("a.bvh"), home.path().join("b.bvh"));
+    let options =
+        ["--bvh-unit", "cm", "--bvh-rate", "60", "--bvh-order", "YXZ", "--bvh-names", "mixamo", "--quiet"];
+    let convert = |from: &str, to: &Path, more: &[&str]| {
+        let mut arguments = vec!["convert", from, "-o", text(to)];
+        arguments.extend(more);
+        let output = cotillion(&arguments);
+        assert_eq!(output.status.code(), Some(0), "{}", said(&output.stderr));
+    };
+    convert("builtin:walk,speed=1.4", &first, &options);
+    let written = fs::read_to_string(&first).expect("written");
+    assert!(written.contains("ROOT mixamorig:Hips") && written.contains("Frame Time: 0.01666"));
+    assert!(
+        written.contains("CHANNELS 3 Yrotation Xrotation Zrotation")
+            && !written.contains("Zrotation Xrotation")
+    );
+    // Back again, it is the generated clip to the rounding of the first file.
+    convert(
+        text(&first),
+        &second,
+        &["--unit", "cm", "--bvh-order", "zxy", "--bvh-names", "cmu", "--bvh-rate", "30"],
+    );
+    let height = |file: &str| {
+        let facts = cotillion(&["inspect", "--json", "--unit", "m", file]);
+        let facts: Value = serde_json::from_slice(&facts.stdout).expect("JSON");
+        [facts[0]["root_path"].as_f64(), facts[0]["height"].as_f64()].map(|number| number.expect("a number"))
+    };
+    for (a, b) in height(text(&second)).into_iter().zip(height("builtin:walk,speed=1.4")) {
+        assert!((a - b).abs() < 1e-6, "{a} {b}");
+    }
+}
+
+#[test]
+fn a_run_writes_bvh_files_as_asked() {
+    let home = tempfile::tempdir().expect("a temporary folder");
+    let (scene, result) = (home.path().join("scene.toml"), home.path().join("result"));
+    let of_one = "[clips]\nidle = \"builtin:idle\"\n[[character]]\nname = \"ann\"\ntrack = [\"idle\"]\n";
+    fs::write(&scene, of_one).expect("a scene file");
+    let output = cotillion(&[
+        "run",
+        text(&scene),
+        "-o",
+        text(&result),
+        "-q",
+        "--bvh-names",
+        "mixamo",
+        "--bvh-unit",
+        "cm",
+    ]);
+    assert_eq!(output.status.code(), Some(0), "{}", said(&output.stderr));
+    let written = fs::read_to_string(result.join("ann.bvh")).expect("written");
+    assert!(
+        written.contains("JOINT mixamorig:LeftUpLeg\n") && written.contains("OFFSET 9.0"),
+        "{written:.2000}"
+    );
+    let refused = home.path().join("refused");
+    let output = cotillion(&["run", text(&scene), "-o", text(&refused), "--bvh-unit", "-1"]);
+    assert_eq!((output.status.code(), refused.exists()), (Some(2), false));
+}
