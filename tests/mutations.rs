@@ -24,106 +24,13 @@ const MEMORY_PER_BYTE: u64 = 8;
 /// Rotations are products of a few unit quaternions.
 const UNIT_ROUNDING: f64 = 1e-9;
 
-const BVH: &str = "HIERARCHY
-ROOT Hips
-{
-  OFFSET 7 8 9
-  CHANNELS 6 Xposition Yposition Zposition Zrotation Xrotation Yrotation
-  JOINT LeftUpLeg
-  {
-    OFFSET 0 1 0
-    CHANNELS 3 Xrotation Yrotation Zrotation
-    JOINT Slider
-    {
-      OFFSET 0 1 0
-      CHANNELS 6 Xposition Yposition Zposition Zrotation Xrotation Yrotation
-      End Site
-      {
-        OFFSET 0 0.5 0
-      }
-    }
-  }
-}
-MOTION
-Frames: 4
-Frame Time: .0083333
-1 2 3 90 0 0 0 0 90 0 1 0 0 0 0
-1 2 4 0 0 0 0 0 0 0 1 0 0 0 0
-1 2 5 0 0 0 0 0 0 0 1 0.5 0 0 0
-1 2 6 0 0 0 0 400 0 0 1 0 0 0 0
-";
+const BVH: &str = include_str!("../fuzz/seeds/bvh/small.bvh");
 
-const ASF: &str = "# made by hand
-:version 1.10
-:name small
-:units
-  mass 1.0
-  length 0.45
-  angle deg
-:documentation
-  no body
-:root
-  order TX TY TZ RX RY RZ
-  axis XYZ
-  position 0 0 0
-  orientation 0 0 0
-:bonedata
-  begin
-    id 1
-    name hip
-    direction 0 -1 0
-    length 2
-    axis 0 0 90 XYZ
-    dof rx rz
-    limits (-160.0 20.0)
-           (-70.0 inf)
-  end
-  begin
-    id 2
-    name knee
-    direction 1 0 0
-    length 3
-    axis 0 0 0 XYZ
-    dof ry
-    limits (0 170.0)
-  end
-:hierarchy
-  begin
-    root hip
-    hip knee
-  end
-";
+const ASF: &str = include_str!("../fuzz/seeds/asf/small.asf");
 
-const AMC: &str = "#!OML:ASF x
-:FULLY-SPECIFIED
-:DEGREES
-1
-root 1 2 3 0 0 90
-hip 90 0
-knee 5
-2
-hip 0 90
-knee 6
-root 1 2 4 90 0 90
-3
-root 1 2 5 90 0 90
-hip 10 -80
-knee 4
-";
+const AMC: &str = include_str!("../fuzz/seeds/amc/small.amc");
 
-/// Three rows of the humanoid.
-fn deepmimic() -> String {
-    let row = |seconds: &str, x: f64, knee: f64| {
-        let leg = format!("1, 0, 0, 0, {knee}, 0.98, 0.02, -0.1, 0.03");
-        let arm = "0.6, 0.8, 0, 0, 1.5";
-        format!("[{seconds}, {x}, 0.9, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, {leg}, {arm}, {leg}, {arm}]")
-    };
-    let rows = [row("0.033332", 0.0, -0.5), row("0.033332", 0.04, -0.4), row("0", 0.08, -0.3)];
-    format!(
-        "{{\n\"Loop\": \"wrap\",\n\"RightJoints\": [3, 4],\n\"Frames\":\n[\n{}\n]\n}}\n",
-        rows.join(",\n")
-    )
-}
+const DEEPMIMIC: &str = include_str!("../fuzz/seeds/deepmimic/small.json");
 
 /// Words that readers may trip over.
 const EXTREME: [&[u8]; 26] = [
@@ -364,7 +271,7 @@ fn start_of_capture() -> Option<Vec<u8>> {
     let text = std::fs::read_to_string(mocap_folder()?.join("odd/cmu_09_10_glitch.amc"))
         .expect("a readable capture");
     let end = text.find("\n4\n").or_else(|| text.find("\n4\r\n")).expect("a fourth frame");
-    Some(text[..=end].as_bytes().to_vec())
+    Some(text.as_bytes()[..=end].to_vec())
 }
 
 #[test]
@@ -415,6 +322,6 @@ fn deepmimic_files_survive_mutation() {
     let captures = captures("deepmimic", ".txt").into_iter();
     let captures =
         captures.map(|(name, text)| Case { format: Format::DeepMimic, name, text, partner: Vec::new() });
-    let small = Case::small(Format::DeepMimic, &deepmimic(), "");
+    let small = Case::small(Format::DeepMimic, DEEPMIMIC, "");
     survive(&std::iter::once(small).chain(captures).collect::<Vec<_>>());
 }
