@@ -100,7 +100,8 @@ fn channel_starts(joints: &[RawJoint]) -> Vec<usize> {
 /// Product of the rotation channels in their order.
 fn rotation(channels: &[Channel], values: &[f64]) -> DQuat {
     let mut turn = DQuat::IDENTITY;
-    for (channel, value) in channels.iter().zip(values) {
+    // Many channels of many files are never used.
+    for (channel, value) in channels.iter().zip(values).filter(|(_, value)| **value != 0.0) {
         // Whole turns add nothing but rounding.
         let angle = if value.abs() < 360.0 { value.to_radians() } else { (value % 360.0).to_radians() };
         turn *= match channel {
