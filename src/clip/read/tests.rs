@@ -249,10 +249,15 @@ fn what_no_text_pays_for_is_refused_at_once() {
     }
     let joints = "JOINT a\n{\nOFFSET 0 1 0\n}\n".repeat(9_999);
     let start = "HIERARCHY\nROOT a\n{\nOFFSET 0 0 0\nCHANNELS 1 Xrotation\n";
-    let rows = "0\n".repeat(100);
-    let text = format!("{start}{joints}}}\nMOTION\nFrames: 100\nFrame Time: .01\n{rows}");
-    let error = read_text(&text).expect_err("joints without channels, many times");
-    assert!(matches!(error, BvhError::TooManyRotations { joints: 10_000, frames: 100, .. }), "{error}");
+    let rows = "0\n".repeat(200);
+    let text = format!("{start}{joints}}}\nMOTION\nFrames: 200\nFrame Time: .01\n{rows}");
+    let error = read_text(&text).err();
+    let expected = Some(BvhError::TooManyRotations {
+        at: Position { line: 40_004, column: 9 },
+        joints: 10_000,
+        frames: 200,
+    });
+    assert_eq!(error, expected);
 }
 
 #[test]
