@@ -10,7 +10,8 @@ use std::f64::consts::TAU;
 
 use glam::{DQuat, DVec3};
 
-use super::body::{ANKLE_HEIGHT, Body, Foot, PELVIS_HEIGHT, Side, TOE_OFFSET, Trunk};
+use super::body::{ANKLE_HEIGHT, Body, PELVIS_HEIGHT, Side, TOE_OFFSET, Trunk};
+use super::limbs::Foot;
 use super::stand;
 use crate::geometry::smoothstep;
 use crate::skeleton::Pose;
@@ -202,6 +203,7 @@ impl Gait {
             pelvis_list: 0.045 * pace * wave(0.2),
             chest_turn: 0.08 * pace * wave(0.03),
             lean: stand::LEAN + share * (0.03 - stand::LEAN) + 0.03 * pace,
+            ..Trunk::default()
         };
         let mut pose = self.body.pose(pelvis, trunk);
         let mut longest: f64 = 0.0;

@@ -6,6 +6,8 @@
 mod acts;
 mod body;
 mod gait;
+mod limbs;
+mod mass;
 mod stand;
 mod walks;
 
