@@ -11,8 +11,10 @@ use std::f64::consts::TAU;
 use glam::{DQuat, DVec3};
 
 use super::body::{ANKLE_HEIGHT, Body, PELVIS_HEIGHT, Side, TOE_OFFSET, Trunk};
+use super::course::Course;
 use super::limbs::Foot;
-use super::stand;
+use super::mass::GRAVITY;
+use super::{FPS, stand};
 use crate::geometry::smoothstep;
 use crate::skeleton::Pose;
 
@@ -47,6 +49,8 @@ pub(super) struct Gait {
     pub(super) period: f64,
     /// Pelvis above the ground on average, metres.
     height: f64,
+    /// Where it goes.
+    course: Course,
     /// Where the walk begins and ends, if it does.
     pub(super) ends: Ends,
 }
@@ -76,16 +80,16 @@ struct Step {
 }
 
 impl Gait {
-    /// Walking at `speed`; step length and cadence keep a walk ratio of 0.39 m·s, as people do.
+    /// Walking at `speed` along `course`; step length and cadence keep a walk ratio of 0.39 m·s, as people do.
     ///
     /// Source: Sekiya et al., *J. Human Movement Studies* 30 (1996), 241–257 (walk ratio 0.0065 m per step/min).
-    pub(super) fn new(body: Body, speed: f64, fps: f64) -> Self {
+    pub(super) fn new(body: Body, speed: f64, course: Course) -> Self {
         const WALK_RATIO: f64 = 0.39;
         let step = (speed * WALK_RATIO * body.scale).sqrt();
-        let half_period = (step / speed * fps).round() / fps;
+        let half_period = (step / speed * FPS).round() / FPS;
         let height = PELVIS_HEIGHT * body.scale;
         let ends = Ends::default();
-        let mut gait = Self { height, period: 2.0 * half_period, body, speed, ends };
+        let mut gait = Self { height, period: 2.0 * half_period, body, speed, course, ends };
         gait.height = gait.highest_reachable();
         gait
     }
@@ -95,7 +99,7 @@ impl Gait {
         self.stretched_pose(time).0
     }
 
-    /// Where a foot is `time` seconds after a strike of the left one.
+    /// Where in the world a foot is `time` seconds after a strike of the left one.
     pub(super) fn foot(&self, side: Side, time: f64) -> Foot {
         let delay = match side {
             Side::Left => 0.0,
@@ -108,17 +112,12 @@ impl Gait {
         let plant = |cycle: f64| self.plant(side, cycle + delay);
         let step = Step { before: plant(cycle - 1.0), plant: plant(cycle), next: plant(cycle + 1.0) };
         if step.plant == step.next {
-            let Plant { ankle, turn } = step.plant;
-            return self.landing(
-                step,
-                if phase < FLAT { phase } else { FLAT },
-                Foot { ankle, turn, pitch: 0.0, toe: 0.0 },
-            );
+            return self.landing(step, if phase < FLAT { phase } else { FLAT });
         }
         if phase < TOE_OFF { self.supporting(step, phase) } else { self.swinging(step, phase) }
     }
 
-    /// Plant of a foot that strikes at `strike`, in cycles.
+    /// Plant of a foot that strikes at `strike`, in cycles, in course coordinates.
     fn plant(&self, side: Side, strike: f64) -> Plant {
         let stand = |z: f64| {
             let (ankle, turn) = stand::planted(&self.body, side);
@@ -193,14 +192,17 @@ impl Gait {
         let wave = |phase: f64| (angle - TAU * phase).cos();
         let bob = (2.0 * (angle - TAU * MID_STANCE)).cos();
         let stand = stand::pelvis_height(&self.body);
+        let place = self.course.place(self.travel(time));
+        let list = -share * self.list();
         let pelvis = DVec3::new(
-            0.018 * self.body.scale * share * wave(MID_STANCE),
+            0.018 * self.body.scale * share * wave(MID_STANCE) - self.height * list.tan(),
             stand + share * (self.height - stand) + 0.021 * self.body.scale * pace * bob,
             self.travel(time),
         );
         let trunk = Trunk {
             pelvis_turn: -0.07 * pace * wave(0.03),
-            pelvis_list: 0.045 * pace * wave(0.2),
+            pelvis_list: 0.045 * pace * wave(0.2) + list,
+            chest_list: list,
             chest_turn: 0.08 * pace * wave(0.03),
             lean: stand::LEAN + share * (0.03 - stand::LEAN) + 0.03 * pace,
             ..Trunk::default()
@@ -208,7 +210,7 @@ impl Gait {
         let mut pose = self.body.pose(pelvis, trunk);
         let mut longest: f64 = 0.0;
         for side in Side::BOTH {
-            let stretch = self.body.place_foot(&mut pose, side, self.foot(side, time));
+            let stretch = self.body.place_foot(&mut pose, side, place.straighten(self.foot(side, time)));
             longest = longest.max(stretch);
             let back = side.sign() * wave(0.04);
             let (swing, bend) = (pace * (0.36 * back - 0.02), 0.28 + 0.14 * pace * (1.0 - back));
@@ -217,27 +219,39 @@ impl Gait {
             let mixed = |stand: f64, walk: f64| stand + share * (walk - stand);
             self.body.hang_arm(&mut pose, side, mixed(stand_swing, swing), mixed(stand_bend, bend));
         }
+        place.bring(&mut pose);
         (pose, longest)
+    }
+
+    /// Lean into the curve, radians to the left, at full speed: as much as balances the centripetal force.
+    fn list(&self) -> f64 {
+        (self.speed * self.speed * self.course.curvature / -GRAVITY).atan()
     }
 
     /// On the ground: toes come down, flat, heel goes up about the toe joint.
     fn supporting(&self, step: Step, phase: f64) -> Foot {
-        let Plant { ankle, turn } = step.plant;
         if phase < HEEL_OFF {
-            return self.landing(step, phase, Foot { ankle, turn, pitch: 0.0, toe: 0.0 });
+            return self.landing(step, phase);
         }
+        let Plant { ankle, turn } = step.plant;
         let rise = (phase - HEEL_OFF) / (TOE_OFF - HEEL_OFF);
         let pitch = TOE_OFF_PITCH * rise.powf(HEEL_RISE);
         let ankle = self.about_toe(ankle, turn, pitch);
-        Foot { ankle, turn, pitch, toe: -pitch }
+        self.planted(step.plant, Foot { ankle, turn, pitch, toe: -pitch })
     }
 
     /// A flat foot, but for its toes coming down after a strike.
-    fn landing(&self, step: Step, phase: f64, flat: Foot) -> Foot {
-        if step.before == step.plant {
-            return flat;
-        }
-        Foot { pitch: STRIKE_PITCH * (1.0 - smoothstep(phase / FLAT)), ..flat }
+    fn landing(&self, step: Step, phase: f64) -> Foot {
+        let Plant { ankle, turn } = step.plant;
+        let pitch =
+            if step.before == step.plant { 0.0 } else { STRIKE_PITCH * (1.0 - smoothstep(phase / FLAT)) };
+        self.planted(step.plant, Foot { ankle, turn, pitch, toe: 0.0 })
+    }
+
+    /// In the world a foot that is on the ground, given on the course straightened at its plant.
+    fn planted(&self, plant: Plant, foot: Foot) -> Foot {
+        let place = self.course.place(plant.ankle.z);
+        Foot { ankle: place.to_world(foot.ankle), turn: place.heading + foot.turn, ..foot }
     }
 
     /// Ankle of a foot planted at `plant` with its heel lifted by `pitch` about the toe joint.
@@ -259,8 +273,10 @@ impl Gait {
         let u = (phase - TOE_OFF) / (1.0 - TOE_OFF);
         // Rates are per swing.
         let pitch_rate = HEEL_RISE * TOE_OFF_PITCH * (1.0 - TOE_OFF) / (TOE_OFF - HEEL_OFF);
-        let from = self.about_toe(plant, turn, TOE_OFF_PITCH);
-        let rate = (from - self.about_toe(plant, turn, TOE_OFF_PITCH - SMALL)) / SMALL * pitch_rate;
+        let place = self.course.place(plant.z);
+        let lifted = |pitch| self.course.from_straightened(place, self.about_toe(plant, turn, pitch));
+        let from = lifted(TOE_OFF_PITCH);
+        let rate = (from - lifted(TOE_OFF_PITCH - SMALL)) / SMALL * pitch_rate;
         let to = step.next.ankle;
         let bump = DVec3::Y * (LIFT * self.body.scale * 16.0 * (u * (1.0 - u)).powi(2));
         let ankle = DVec3::new(
@@ -268,11 +284,12 @@ impl Gait {
             hermite([from.y, to.y], [rate.y, 0.0], u),
             hermite([from.z, to.z], [rate.z, 0.0], u),
         ) + bump;
-        let turn = turn + (step.next.turn - turn) * smoothstep(u);
+        let turn_at = |plant: Plant| self.course.place(plant.ankle.z).heading + plant.turn;
+        let turn = turn_at(step.plant) + (turn_at(step.next) - turn_at(step.plant)) * smoothstep(u);
         let pitch = hermite([TOE_OFF_PITCH, STRIKE_PITCH], [pitch_rate, 0.0], u);
         let straight = (u / STRAIGHTENING).min(1.0);
         let toe = hermite([-TOE_OFF_PITCH, 0.0], [-pitch_rate * STRAIGHTENING, 0.0], straight);
-        Foot { ankle, turn, pitch, toe }
+        Foot { ankle: self.course.to_world(ankle), turn, pitch, toe }
     }
 }
 

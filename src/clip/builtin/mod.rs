@@ -5,6 +5,7 @@
 
 mod acts;
 mod body;
+mod course;
 mod gait;
 mod limbs;
 mod mass;

@@ -1,6 +1,7 @@
 //! Clips of walking.
 
 use super::body::Body;
+use super::course::Course;
 use super::gait::{Gait, HALTING, SETTING_OFF};
 use super::{BuiltinInfo, BuiltinParameter, FPS, Generator, Made, STATURE, Values, frame_at};
 
@@ -8,7 +9,7 @@ pub(super) const ALL: &[Generator] = &[Generator { info: WALK, make: walk }];
 
 const WALK: BuiltinInfo = BuiltinInfo {
     name: "walk",
-    description: "walks straight ahead, in cycles that end as they began; sets off and halts on request",
+    description: "walks straight ahead or round a curve, in cycles that end as they began; sets off and halts on request",
     parameters: &[
         BuiltinParameter {
             name: "speed",
@@ -16,6 +17,13 @@ const WALK: BuiltinInfo = BuiltinInfo {
             unit: "m/s",
             default: 1.2,
             range: (0.5, 1.8),
+        },
+        BuiltinParameter {
+            name: "turn",
+            description: "to the left while at full speed, along a circle; straight ahead where it is 0",
+            unit: "deg/s",
+            default: 0.0,
+            range: (-45.0, 45.0),
         },
         BuiltinParameter {
             name: "seconds",
@@ -46,8 +54,13 @@ const WALK: BuiltinInfo = BuiltinInfo {
 /// Seconds of standing before a walk sets off, and after it has halted.
 const STANDING: f64 = 0.4;
 
+/// The course of a clip with a speed and a turn.
+fn course(values: &Values) -> Course {
+    Course { curvature: values["turn"].to_radians() / values["speed"] }
+}
+
 fn walk(body: &Body, values: &Values) -> Made {
-    let mut gait = Gait::new(body.clone(), values["speed"], FPS);
+    let mut gait = Gait::new(body.clone(), values["speed"], course(values));
     let (starts, stops) = (values["start"] >= 0.5, values["stop"] >= 0.5);
     // A strike of the left foot falls on a frame.
     let before =

@@ -1,5 +1,6 @@
 //! What clips of locomotion promise.
 
+use super::super::course::Course;
 use super::super::gait::{FLAT, Gait, HEEL_OFF, TOE_OFF};
 use super::*;
 
@@ -48,7 +49,7 @@ fn strike_phases(clip: &Clip) -> [Vec<f64>; 2] {
         &clip.skeleton.forward_kinematics(&clip.skeleton.rest_pose()),
         joint(clip, JointRole::Head),
     );
-    let gait = Gait::new(Body::new(stature.expect("the head ends").y), speed, FPS);
+    let gait = Gait::new(Body::new(stature.expect("the head ends").y), speed, Course::default());
     [0.0, 0.5].map(|delay| {
         (0..clip.frame_count())
             .map(|frame| (frame as f64 / FPS / gait.period - delay + 1e-9).rem_euclid(1.0))
@@ -84,7 +85,7 @@ fn down(clip: &Clip, role: JointRole, height: f64) -> Vec<bool> {
 fn a_walk_cycle_closes_in_pose_and_speed() {
     for speed in [0.5, 1.2, 1.8] {
         let clip = made("walk", &[("speed", speed)]);
-        let gait = Gait::new(Body::new(1.75), speed, FPS);
+        let gait = Gait::new(Body::new(1.75), speed, Course::default());
         let cycle = floor_index(gait.period * FPS + 0.5);
         assert!((gait.period * FPS - cycle as f64).abs() < ROUNDING);
         let (first, last) = (clip.pose(SourceFrame(0)), clip.pose(SourceFrame::from_usize(cycle)));
