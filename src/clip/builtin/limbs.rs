@@ -57,14 +57,22 @@ pub(super) struct ArmAngles {
     pub(super) bend: f64,
 }
 
+impl Foot {
+    /// Of a body that looks ahead (+z): the knee points between ahead and where the toes do.
+    pub(super) fn target(self) -> LegTarget {
+        LegTarget {
+            ankle: self.ankle,
+            foot: DQuat::from_rotation_y(self.turn) * DQuat::from_rotation_x(self.pitch),
+            knee: DQuat::from_rotation_y(self.turn / 2.0) * DVec3::Z,
+            toe: self.toe,
+        }
+    }
+}
+
 impl Body {
-    /// Turns hip, knee, ankle and toe joint so that the ankle is where `foot` has it; the knee points between ahead (+z)
-    /// and where the toes do, and bends forward only. Returns how far the leg is stretched, 1 when straight; a target out
-    /// of reach leaves it straight.
+    /// As [`Body::place_leg`], for a body that looks ahead (+z).
     pub(super) fn place_foot(&self, pose: &mut Pose, side: Side, foot: Foot) -> f64 {
-        let knee = DQuat::from_rotation_y(foot.turn / 2.0) * DVec3::Z;
-        let attitude = DQuat::from_rotation_y(foot.turn) * DQuat::from_rotation_x(foot.pitch);
-        self.place_leg(pose, side, LegTarget { ankle: foot.ankle, foot: attitude, knee, toe: foot.toe })
+        self.place_leg(pose, side, foot.target())
     }
 
     /// Turns hip, knee, ankle and toe joint as `target` says; the knee bends one way only. Returns how far the leg is

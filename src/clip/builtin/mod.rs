@@ -6,9 +6,11 @@
 mod acts;
 mod body;
 mod course;
+mod curve;
 mod gait;
 mod limbs;
 mod mass;
+mod run;
 mod stand;
 mod walks;
 
@@ -116,7 +118,7 @@ struct Made {
 }
 
 /// Families of generated clips, in the order they are listed.
-const FAMILIES: &[&[Generator]] = &[walks::ALL, acts::ALL];
+const FAMILIES: &[&[Generator]] = &[walks::ALL, run::ALL, acts::ALL];
 
 /// All generated clips.
 pub fn names() -> impl Iterator<Item = &'static BuiltinInfo> {

@@ -7,24 +7,30 @@ use super::{BuiltinInfo, BuiltinParameter, FPS, Generator, Made, STATURE, Values
 
 pub(super) const ALL: &[Generator] = &[Generator { info: WALK, make: walk }];
 
+/// What a parameter `speed` is.
+pub(super) const SPEED_HELP: &str = "along the course";
+
+/// How a course bends, a parameter of clips that go ahead.
+pub(super) const TURN: BuiltinParameter = BuiltinParameter {
+    name: "turn",
+    description: "to the left at full speed, along a circle; 0 goes straight ahead",
+    unit: "deg/s",
+    default: 0.0,
+    range: (-45.0, 45.0),
+};
+
 const WALK: BuiltinInfo = BuiltinInfo {
     name: "walk",
     description: "walks straight ahead or round a curve, in cycles that end as they began; sets off and halts on request",
     parameters: &[
         BuiltinParameter {
             name: "speed",
-            description: "of walking",
+            description: SPEED_HELP,
             unit: "m/s",
             default: 1.2,
             range: (0.5, 1.8),
         },
-        BuiltinParameter {
-            name: "turn",
-            description: "to the left while at full speed, along a circle; straight ahead where it is 0",
-            unit: "deg/s",
-            default: 0.0,
-            range: (-45.0, 45.0),
-        },
+        TURN,
         BuiltinParameter {
             name: "seconds",
             description: "length, with stop = 1 to the nearest cycle; at the default speed one takes 17/15 s",
