@@ -14,13 +14,13 @@ pub(super) const GRAVITY: f64 = -9.81;
 
 /// A segment of one mass.
 #[derive(Clone, Copy, Debug)]
-struct Segment {
+pub(super) struct Segment {
     /// Joint that turns it.
-    joint: usize,
+    pub(super) joint: usize,
     /// Share of the whole body's.
-    mass: f64,
+    pub(super) mass: f64,
     /// Centre of mass in the joint's axes, metres at 1.75 m.
-    center: DVec3,
+    pub(super) center: DVec3,
 }
 
 /// Head and trunk; centres from below: 0.5 of the pelvis, 0.56 of the abdomen, 0.5 of the thorax, the ear of the head.
@@ -41,7 +41,7 @@ const LEG: [(f64, DVec3); 3] = [
     (0.0145, DVec3::new(0.5 * TOE_OFFSET.x, 0.5 * TOE_OFFSET.y, 0.5 * TOE_OFFSET.z)),
 ];
 
-fn segments() -> impl Iterator<Item = Segment> {
+pub(super) fn segments() -> impl Iterator<Item = Segment> {
     let limbs = Side::BOTH.into_iter().flat_map(|side| {
         let ([_, arm @ ..], [hip, knee, ankle, _]) = (arm_joints(side), leg_joints(side));
         let arms = arm.into_iter().zip(ARM).map(move |(joint, (mass, along))| Segment {

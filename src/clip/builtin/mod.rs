@@ -4,13 +4,23 @@
 //! same parameters give the same clip.
 
 mod acts;
+mod arms;
 mod body;
 mod course;
+mod crouch;
 mod curve;
+mod dodge;
+mod flight;
 mod gait;
+mod jump;
+mod keyed;
+mod lift;
 mod limbs;
 mod mass;
+mod momentum;
+mod performance;
 mod run;
+mod sit;
 mod stand;
 mod walks;
 
@@ -118,7 +128,7 @@ struct Made {
 }
 
 /// Families of generated clips, in the order they are listed.
-const FAMILIES: &[&[Generator]] = &[walks::ALL, run::ALL, acts::ALL];
+const FAMILIES: &[&[Generator]] = &[walks::ALL, run::ALL, acts::ALL, lift::ALL, sit::ALL, dodge::ALL, jump::ALL];
 
 /// All generated clips.
 pub fn names() -> impl Iterator<Item = &'static BuiltinInfo> {

@@ -1,0 +1,348 @@
+//! Clips of jumps from both feet to both feet: a crouch, a push, a flight, a landing that gives way, and a stand.
+
+use super::body::{Body, SHANK, Side, THIGH};
+use super::crouch;
+use super::flight::{Air, Tuck, fly};
+use super::keyed::{Curve, Key};
+use super::mass::GRAVITY;
+use super::performance::{Height, Performance, Track};
+use super::{BuiltinInfo, BuiltinParameter, FPS, Generator, Made, STATURE, Values, frame_at, stand};
+
+pub(super) const ALL: &[Generator] =
+    &[Generator { info: JUMP, make: jump }, Generator { info: JUMP_OVER, make: jump_over }, Generator { info: BACK_FLIP, make: back_flip }];
+
+const BACK_FLIP: BuiltinInfo = BuiltinInfo {
+    name: "back_flip",
+    description: "turns over backwards in the air, tucked, and lands on both feet",
+    parameters: &[
+        BuiltinParameter {
+            name: "height",
+            description: "by which the centre of mass rises in flight",
+            unit: "m",
+            default: 0.45,
+            range: (0.35, 0.6),
+        },
+        STATURE,
+    ],
+    events: &["takeoff", "landing"],
+};
+
+const JUMP_OVER: BuiltinInfo = BuiltinInfo {
+    name: "jump_over",
+    description: "jumps forward from both feet over an obstacle half way, legs tucked, and lands on both",
+    parameters: &[
+        BuiltinParameter {
+            name: "height",
+            description: "of the obstacle",
+            unit: "m",
+            default: 0.3,
+            range: (0.1, 0.5),
+        },
+        STATURE,
+    ],
+    events: &["takeoff", "landing"],
+};
+
+const JUMP: BuiltinInfo = BuiltinInfo {
+    name: "jump",
+    description: "jumps forward from both feet and lands on both",
+    parameters: &[
+        BuiltinParameter {
+            name: "distance",
+            description: "from where the feet leave to where they land",
+            unit: "m",
+            default: 0.7,
+            range: (0.0, 1.2),
+        },
+        BuiltinParameter {
+            name: "height",
+            description: "by which the centre of mass rises in flight",
+            unit: "m",
+            default: 0.25,
+            range: (0.1, 0.4),
+        },
+        STATURE,
+    ],
+    events: &["takeoff", "landing"],
+};
+
+/// Attitude at one instant, radians: pitch of the pelvis, bend of the back, swing and bend of the arms.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Attitude {
+    pub(super) pitch: f64,
+    pub(super) bend: f64,
+    pub(super) swing: f64,
+    pub(super) elbow: f64,
+}
+
+/// What a jump is like; lengths in metres, angles in radians.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Style {
+    pub(super) distance: f64,
+    /// Rise of the centre of mass in flight.
+    pub(super) height: f64,
+    pub(super) turns: f64,
+    /// Lowest before the push, leaving, half way, landing, lowest after it.
+    pub(super) crouch: Attitude,
+    pub(super) leave: Attitude,
+    pub(super) flying: Attitude,
+    pub(super) land: Attitude,
+    pub(super) give: Attitude,
+    /// Hip and knee half way, from and until these shares of the flight.
+    pub(super) tuck: (f64, f64),
+    pub(super) tucked: (f64, f64),
+}
+
+/// When and how fast; seconds from the first frame.
+#[derive(Clone, Copy, Debug)]
+struct Timing {
+    crouched: f64,
+    takeoff: f64,
+    landing: f64,
+    given: f64,
+    standing: f64,
+}
+
+/// Course of the centre of mass, metres ahead of the stance and above the ground, and metres per second.
+#[derive(Clone, Copy, Debug)]
+struct Course {
+    crouched: (f64, f64),
+    leave: (f64, f64),
+    land: (f64, f64),
+    given: (f64, f64),
+    speed: f64,
+    up: f64,
+    down: f64,
+}
+
+fn jump(body: &Body, values: &Values) -> Made {
+    let style = Style {
+        distance: values["distance"],
+        height: values["height"],
+        turns: 0.0,
+        crouch: Attitude { pitch: 0.55, bend: 0.35, swing: 0.60, elbow: 0.35 },
+        leave: Attitude { pitch: 0.10, bend: 0.05, swing: -2.0, elbow: 0.35 },
+        flying: Attitude { pitch: 0.0, bend: 0.30, swing: -1.7, elbow: 0.35 },
+        land: Attitude { pitch: 0.35, bend: 0.30, swing: -0.9, elbow: 0.35 },
+        give: Attitude { pitch: 0.50, bend: 0.40, swing: -0.35, elbow: 0.45 },
+        tuck: (0.9, 1.2),
+        tucked: (0.45, 0.55),
+    };
+    made(body, &style)
+}
+
+fn back_flip(body: &Body, values: &Values) -> Made {
+    let style = Style {
+        distance: -0.25 * body.scale,
+        height: values["height"],
+        turns: -1.0,
+        crouch: Attitude { pitch: 0.55, bend: 0.30, swing: 0.70, elbow: 0.30 },
+        leave: Attitude { pitch: -0.25, bend: -0.10, swing: -2.75, elbow: 0.30 },
+        flying: Attitude { pitch: 0.0, bend: 0.70, swing: -0.95, elbow: 0.80 },
+        land: Attitude { pitch: 0.45, bend: 0.35, swing: -1.1, elbow: 0.35 },
+        give: Attitude { pitch: 0.50, bend: 0.40, swing: -0.90, elbow: 0.35 },
+        tuck: (2.0, 2.15),
+        tucked: (0.38, 0.62),
+    };
+    made(body, &style)
+}
+
+fn jump_over(body: &Body, values: &Values) -> Made {
+    let style = Style {
+        distance: 0.6 * body.scale + 0.5 * values["height"],
+        height: 0.30,
+        turns: 0.0,
+        crouch: Attitude { pitch: 0.55, bend: 0.35, swing: 0.60, elbow: 0.35 },
+        leave: Attitude { pitch: 0.10, bend: 0.05, swing: -2.0, elbow: 0.35 },
+        flying: Attitude { pitch: 0.0, bend: 0.50, swing: -1.3, elbow: 0.45 },
+        land: Attitude { pitch: 0.35, bend: 0.30, swing: -0.9, elbow: 0.35 },
+        give: Attitude { pitch: 0.50, bend: 0.40, swing: -0.35, elbow: 0.45 },
+        tuck: (1.75, 1.85),
+        tucked: (0.42, 0.58),
+    };
+    made(body, &style)
+}
+
+/// Seconds of getting ready, of the longest push and give, of standing up again, and of standing at both ends.
+const READY: f64 = 0.55;
+const LONGEST_PUSH: f64 = 0.34;
+const RISE: f64 = 0.70;
+const STANDING: f64 = 0.10;
+/// Share of the speed gained times the time that a push covers; its lowest and longest way, metres at 1.75 m.
+const PUSH_SHAPE: f64 = 0.42;
+const LONGEST_WAY: f64 = 0.30;
+/// Pitch of the feet that leave and its rate, radians and radians per second.
+const TOE_OFF: (f64, f64) = (0.85, 5.0);
+/// Shares of straight legs at takeoff and landing.
+const LEAVING_LEG: f64 = 0.95;
+const LANDING_LEG: f64 = 0.92;
+
+/// A clip of a jump.
+pub(super) fn made(body: &Body, style: &Style) -> Made {
+    let mut act = Performance::standing(body);
+    let (timing, course) = plan(body, style);
+    set_course(&mut act, &timing, &course, style.distance);
+    set_limbs(&mut act, &timing, style);
+    let key = |time: f64, attitude: &Attitude| Key::still(time, attitude.pitch);
+    let flight = timing.landing - timing.takeoff;
+    let tuck = |share: f64| Tuck {
+        time: timing.takeoff + share * flight,
+        hip: style.tuck.0,
+        knee: style.tuck.1,
+        ankle: 0.35,
+    };
+    let air = Air {
+        takeoff: timing.takeoff,
+        landing: timing.landing,
+        turns: style.turns,
+        tucks: vec![tuck(style.tucked.0), tuck(style.tucked.1)],
+        pitch: vec![
+            Key::still(STANDING, 0.0),
+            key(timing.crouched, &style.crouch),
+            key(timing.takeoff, &style.leave),
+            key(timing.landing, &style.land),
+            key(timing.given, &style.give),
+            Key::still(timing.standing, 0.0),
+        ],
+    };
+    fly(&mut act, air);
+    let events = vec![frame_at(timing.takeoff), frame_at(timing.landing)];
+    act.made(frame_at(timing.standing + STANDING), events)
+}
+
+/// Decides when everything happens and where the centre of mass is then.
+///
+/// The legs' stretch fixes the heights at takeoff and landing, these the time in the air, that the speed, and that how far the
+/// centre is ahead of the feet, on which the heights depend: a fixed point of a few rounds.
+fn plan(body: &Body, style: &Style) -> (Timing, Course) {
+    let g = -GRAVITY;
+    let up = (2.0 * g * style.height).sqrt();
+    let ready = 0.06 * body.scale;
+    let push = LONGEST_PUSH.min(LONGEST_WAY * body.scale / (PUSH_SHAPE * up));
+    let mut flight = 2.0 * up / g;
+    let mut give = push;
+    let mut course = None;
+    for _ in 0..6 {
+        let pace = PUSH_SHAPE * push + flight + PUSH_SHAPE * give;
+        let speed = style.distance / pace;
+        let ahead = ready + PUSH_SHAPE * speed * push;
+        let behind = ready - PUSH_SHAPE * speed * give;
+        let leave = height_for(body, &style.leave, (ahead, TOE_OFF.0), LEAVING_LEG);
+        let land = height_for(body, &style.land, (behind, 0.0), LANDING_LEG);
+        let fall = (up + (up * up + 2.0 * g * (leave - land)).max(0.0).sqrt()) / g;
+        flight = (fall * FPS - 1e-6).ceil() / FPS;
+        let down = g * flight - up;
+        give = LONGEST_PUSH.min(LONGEST_WAY * body.scale / (PUSH_SHAPE * down));
+        course = Some((speed, ahead, leave, down));
+    }
+    let (speed, ahead, leave, down) = course.unwrap_or_default();
+    let land = leave + up * flight - 0.5 * g * flight * flight;
+    let takeoff_frame = ((STANDING + READY + push) * FPS).round();
+    let (takeoff, landing) = (takeoff_frame / FPS, (takeoff_frame + (flight * FPS).round()) / FPS);
+    let timing = Timing {
+        crouched: takeoff - push,
+        takeoff,
+        landing,
+        given: landing + give,
+        standing: landing + give + RISE,
+    };
+    let course = Course {
+        crouched: (ready, leave - PUSH_SHAPE * up * push),
+        leave: (ahead, leave),
+        land: (ahead + speed * flight, land),
+        given: (style.distance + ready, land - PUSH_SHAPE * down * give),
+        speed,
+        up,
+        down,
+    };
+    (timing, course)
+}
+
+/// Height of the centre of mass `ahead` of flat feet (or on their toes with `pitch`) at which the legs are stretched to `share`.
+fn height_for(body: &Body, attitude: &Attitude, (ahead, pitch): (f64, f64), share: f64) -> f64 {
+    let mut act = Performance::standing(body);
+    act.over[1] = Curve::constant(ahead);
+    act.trunk.pitch = Curve::constant(attitude.pitch);
+    act.trunk.bend = Curve::constant(attitude.bend);
+    for side in Side::BOTH {
+        act.arms[side.index()].swing = Curve::constant(attitude.swing);
+        act.arms[side.index()].bend = Curve::constant(attitude.elbow);
+        act.feet[side.index()].pitch = Curve::constant(pitch);
+    }
+    let length = (THIGH + SHANK) * body.scale;
+    let (low, high) = (0.35 * body.scale, 1.4 * body.scale);
+    let is_short = |s: f64| {
+        act.height = Height::CenterOfMass(Curve::constant(low + s * (high - low)));
+        act.leg_span(0.0) < share * length
+    };
+    low + crouch::bisect(is_short) * (high - low)
+}
+
+fn set_course(act: &mut Performance, timing: &Timing, course: &Course, distance: f64) {
+    let center = Performance::standing_center(&act.body);
+    let push = timing.takeoff - timing.crouched;
+    let give = timing.given - timing.landing;
+    let still = Key::still;
+    let ahead = vec![
+        still(STANDING, center.z),
+        still(timing.crouched, course.crouched.0),
+        Key { rate: course.speed, ..still(timing.takeoff, course.leave.0) },
+        Key { rate: course.speed, ..still(timing.landing, course.land.0) },
+        still(timing.given, course.given.0),
+        still(timing.standing, distance + center.z),
+    ];
+    let falling = |time: f64, rate: f64, value: f64| Key { time, value, rate, acceleration: GRAVITY };
+    let turning = |time: f64, acceleration: f64, value: f64| Key { time, value, rate: 0.0, acceleration };
+    let height = vec![
+        still(STANDING, center.y),
+        turning(timing.crouched, 0.8 * course.up / push, course.crouched.1),
+        falling(timing.takeoff, course.up, course.leave.1),
+        falling(timing.landing, -course.down, course.land.1),
+        turning(timing.given, 0.8 * course.down / give, course.given.1),
+        still(timing.standing, center.y),
+    ];
+    act.over[1] = Curve::new(ahead);
+    act.height = Height::CenterOfMass(Curve::new(height));
+    for track in &mut act.feet {
+        move_track(track, timing, distance);
+    }
+}
+
+/// A foot leaves with its heel up and lands flat; in between its leg's joints say where it is.
+fn move_track(track: &mut Track, timing: &Timing, distance: f64) {
+    /// Seconds in which the heel rises.
+    const RISING: f64 = 0.20;
+    let from = track.toe[2].at(0.0);
+    track.toe[2] = Curve::through(&[(timing.takeoff, from), (timing.landing, from + distance)]);
+    track.pitch = Curve::new(vec![
+        Key::still(timing.takeoff - RISING, 0.0),
+        Key { rate: TOE_OFF.1, ..Key::still(timing.takeoff, TOE_OFF.0) },
+        Key::still(timing.landing, 0.0),
+    ]);
+}
+
+fn set_limbs(act: &mut Performance, timing: &Timing, style: &Style) {
+    let middle = |share: f64| timing.takeoff + share * (timing.landing - timing.takeoff);
+    let curve = |still: f64, of: fn(&Attitude) -> f64| {
+        Curve::through(&[
+            (STANDING, still),
+            (timing.crouched, of(&style.crouch)),
+            (timing.takeoff + 0.02, of(&style.leave)),
+            (middle(0.55), of(&style.flying)),
+            (timing.landing, of(&style.land)),
+            (timing.given, of(&style.give)),
+            (timing.standing, still),
+        ])
+    };
+    act.trunk.bend = curve(stand::LEAN, |attitude| attitude.bend);
+    act.trunk.level = Curve::through(&[
+        (timing.crouched, 1.0),
+        (timing.takeoff, 0.0),
+        (timing.landing, 0.0),
+        (timing.given, 1.0),
+    ]);
+    for arm in &mut act.arms {
+        arm.swing = curve(stand::HANGING_ARM.0, |attitude| attitude.swing);
+        arm.bend = curve(stand::HANGING_ARM.1, |attitude| attitude.elbow);
+    }
+}
