@@ -1,14 +1,14 @@
 //! Crouching: knees, hips and back bend together, the centre of mass stays over the feet.
 
 use super::keyed::Curve;
-use super::performance::{Height, Performance};
+use super::performance::Performance;
 use super::stand;
 
 /// What a full crouch has: the pelvis lower by metres at 1.75 m, its pitch and the back's bend in radians, and the centre of
 /// mass ahead of the ankles in metres at 1.75 m.
 const DROP: f64 = 0.50;
-const PITCH: f64 = 0.62;
-const BEND: f64 = 0.75;
+const PITCH: f64 = 0.46;
+const BEND: f64 = 0.95;
 const AHEAD: f64 = 0.055;
 
 /// Stands at time 0, is `depth` (0 to 1) of a full crouch low between two times, and stands again: four times, seconds.
@@ -39,7 +39,7 @@ pub(super) fn still(act: &mut Performance, depth: f64) {
 pub(super) fn set(act: &mut Performance, key: impl Fn(f64, f64) -> Curve) {
     let (scale, height) = (act.body.scale, stand::pelvis_height(&act.body));
     let ahead = Performance::standing_center(&act.body).z;
-    act.height = Height::Pelvis(key(height, height - DROP * scale));
+    act.height.pelvis = key(height, height - DROP * scale);
     act.over[1] = key(ahead, AHEAD * scale);
     act.trunk.pitch = key(0.0, PITCH);
     act.trunk.bend = key(stand::LEAN, BEND);

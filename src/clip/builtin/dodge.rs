@@ -3,7 +3,7 @@
 use super::body::{Body, HEAD, Side};
 use super::crouch;
 use super::keyed::Curve;
-use super::performance::{Height, Performance};
+use super::performance::Performance;
 use super::{BuiltinInfo, BuiltinParameter, FPS, Generator, Made, STATURE, Values, frame_at, stand};
 
 pub(super) const ALL: &[Generator] =
@@ -81,8 +81,9 @@ fn ducked(act: &mut Performance, depth: f64, key: impl Fn(f64, f64) -> Curve) {
     crouch::set(act, share);
     act.trunk.gaze = share(0.0, 0.5);
     for arm in &mut act.arms {
-        arm.swing = share(stand::HANGING_ARM.0, -0.35);
-        arm.bend = share(stand::HANGING_ARM.1, 1.9);
+        arm.swing = share(stand::HANGING_ARM.0, -0.75);
+        arm.bend = share(stand::HANGING_ARM.1, 2.1);
+        arm.away = share(super::arms::AWAY, 0.3);
         arm.inwards = share(0.0, 0.3);
     }
 }
@@ -115,21 +116,22 @@ fn dodge(body: &Body, values: &Values) -> Made {
     };
     let sign = side.sign();
     // The weight goes to the other foot before this one is lifted, and when it comes back.
-    let aside = [(0.0, 0.0), (0.13, -0.05 * body.scale), (0.47, 0.09 * body.scale + 0.62 * distance)];
+    let aside = [(0.0, 0.0), (0.13, -0.05 * body.scale), (0.47, 0.09 * body.scale + 0.54 * distance)];
     let back = [(0.52, aside[2].1), (0.84, -0.05 * body.scale), (1.0, 0.0)];
     let keys: Vec<_> = aside.into_iter().chain(back).map(|(share, x)| (share * seconds, sign * x)).collect();
     act.over[0] = Curve::through(&keys);
     let height = stand::pelvis_height(body);
-    act.height = Height::Pelvis(out_and_back(height, height - 0.09 * body.scale - 0.22 * distance));
+    act.height.pelvis = out_and_back(height, height - 0.09 * body.scale - 0.22 * distance);
     act.trunk.list = out_and_back(0.0, -0.10 * sign);
     act.trunk.aside = out_and_back(0.0, -0.26 * sign);
     act.trunk.twist = out_and_back(0.0, -0.22 * sign);
     act.trunk.bend = out_and_back(stand::LEAN, 0.22);
     act.trunk.pitch = out_and_back(0.0, 0.12);
     for arm in &mut act.arms {
-        arm.swing = out_and_back(stand::HANGING_ARM.0, -0.35);
-        arm.bend = out_and_back(stand::HANGING_ARM.1, 1.5);
-        arm.away = out_and_back(super::arms::AWAY, 0.35);
+        arm.swing = out_and_back(stand::HANGING_ARM.0, -0.25);
+        arm.bend = out_and_back(stand::HANGING_ARM.1, 1.9);
+        arm.away = out_and_back(super::arms::AWAY, 0.40);
+        arm.inwards = out_and_back(0.0, 0.35);
     }
     step_aside(&mut act, side, distance, STEPS.map(|share| share * seconds));
     act.made(last_frame, Vec::new())

@@ -109,29 +109,55 @@ fn set_rates(air: &mut Air, rates: [f64; 2]) -> f64 {
 
 /// Curves of the leg joints from the stance that pushes through the tucks to the stance that lands.
 fn leg_curves(act: &Performance, air: &Air) -> [[Curve; 3]; 8] {
-    let vectors = |time: f64| {
-        let pose = act.pose(time);
-        std::array::from_fn::<DVec3, 8, _>(|joint| log(pose.rotations[LEGS[0] + joint]))
-    };
-    let (before, leave) = (vectors(air.takeoff - SMALL), vectors(air.takeoff));
-    let (land, after) = (vectors(air.landing), vectors(air.landing + SMALL));
+    let [leaving, landing] = [End::new(act, air.takeoff, -SMALL), End::new(act, air.landing, SMALL)];
     std::array::from_fn(|joint| {
-        let leaving = (leave[joint], (leave[joint] - before[joint]) / SMALL);
-        let landing = (land[joint], (after[joint] - land[joint]) / SMALL);
-        leg_curve(air, joint, [leaving, landing])
+        let tucks: Vec<(f64, DVec3)> = air.tucks.iter().map(|tuck| (tuck.time, tuck.angles(joint))).collect();
+        [0, 1, 2].map(|axis| {
+            let [first, last] = [&leaving, &landing].map(|end| (end.time, end.vectors[joint][axis]));
+            let [free, ready] = [leaving.relaxed(joint, 1.0), landing.relaxed(joint, -1.0)];
+            let middle = tucks.iter().map(|(time, vector)| (*time, vector[axis]));
+            let points: Vec<(f64, f64)> = [first, (free.0, free.1[axis])]
+                .into_iter()
+                .chain(middle)
+                .chain([(ready.0, ready.1[axis]), last])
+                .collect();
+            Curve::between(&points, [leaving.rates[joint][axis], landing.rates[joint][axis]])
+        })
     })
 }
 
-/// Curves of one joint with its rotation vectors and their rates at both ends.
-fn leg_curve(air: &Air, joint: usize, ends: [(DVec3, DVec3); 2]) -> [Curve; 3] {
-    let tucks: Vec<(f64, DVec3)> = air.tucks.iter().map(|tuck| (tuck.time, tuck.angles(joint))).collect();
-    [0, 1, 2].map(|axis| {
-        let points: Vec<(f64, f64)> = std::iter::once((air.takeoff, ends[0].0[axis]))
-            .chain(tucks.iter().map(|(time, vector)| (*time, vector[axis])))
-            .chain([(air.landing, ends[1].0[axis])])
-            .collect();
-        Curve::between(&points, [ends[0].1[axis], ends[1].1[axis]])
-    })
+/// Leg joints at one end of a flight: rotation vectors and their rates, as those of the feet that stand.
+#[derive(Clone, Debug)]
+struct End {
+    time: f64,
+    vectors: [DVec3; 8],
+    rates: [DVec3; 8],
+}
+
+impl End {
+    /// `step`, seconds, leads to where the feet stand.
+    fn new(act: &Performance, time: f64, step: f64) -> Self {
+        let vectors = |time: f64| {
+            let pose = act.pose(time);
+            std::array::from_fn::<DVec3, 8, _>(|joint| log(pose.rotations[LEGS[0] + joint]))
+        };
+        let (here, there) = (vectors(time), vectors(time + step));
+        let rates = std::array::from_fn(|joint| (there[joint] - here[joint]) / step);
+        Self { time, vectors: here, rates }
+    }
+
+    /// When and where a joint has lost its rate, after this end (`sign` 1) or before it (−1): soon enough that the knees do not
+    /// lock.
+    fn relaxed(&self, joint: usize, sign: f64) -> (f64, DVec3) {
+        /// Longest, seconds; share of rate times time that a joint moves on; least bend of a knee, radians.
+        const LONGEST: f64 = 0.10;
+        const MOVES: f64 = 0.4;
+        const LEAST_BEND: f64 = 0.10;
+        let knee = 1;
+        let (bend, straightening) = (self.vectors[knee].x, -sign * self.rates[knee].x);
+        let time = LONGEST.min((bend - LEAST_BEND) / (MOVES * straightening.max(1e-3))).max(0.02);
+        (self.time + sign * time, self.vectors[joint] + self.rates[joint] * (sign * MOVES * time))
+    }
 }
 
 impl Tuck {

@@ -5,7 +5,7 @@ use super::crouch;
 use super::flight::{Air, Tuck, fly};
 use super::keyed::{Curve, Key};
 use super::mass::GRAVITY;
-use super::performance::{Height, Performance, Track};
+use super::performance::{Performance, Track};
 use super::{BuiltinInfo, BuiltinParameter, FPS, Generator, Made, STATURE, Values, frame_at, stand};
 
 pub(super) const ALL: &[Generator] =
@@ -20,7 +20,7 @@ const BACK_FLIP: BuiltinInfo = BuiltinInfo {
             description: "by which the centre of mass rises in flight",
             unit: "m",
             default: 0.45,
-            range: (0.35, 0.6),
+            range: (0.4, 0.55),
         },
         STATURE,
     ],
@@ -36,7 +36,7 @@ const JUMP_OVER: BuiltinInfo = BuiltinInfo {
             description: "of the obstacle",
             unit: "m",
             default: 0.3,
-            range: (0.1, 0.5),
+            range: (0.1, 0.4),
         },
         STATURE,
     ],
@@ -52,14 +52,14 @@ const JUMP: BuiltinInfo = BuiltinInfo {
             description: "from where the feet leave to where they land",
             unit: "m",
             default: 0.7,
-            range: (0.0, 1.2),
+            range: (0.0, 0.9),
         },
         BuiltinParameter {
             name: "height",
             description: "by which the centre of mass rises in flight",
             unit: "m",
             default: 0.25,
-            range: (0.1, 0.4),
+            range: (0.1, 0.35),
         },
         STATURE,
     ],
@@ -121,7 +121,7 @@ fn jump(body: &Body, values: &Values) -> Made {
         height: values["height"],
         turns: 0.0,
         crouch: Attitude { pitch: 0.55, bend: 0.35, swing: 0.60, elbow: 0.35 },
-        leave: Attitude { pitch: 0.10, bend: 0.05, swing: -2.0, elbow: 0.35 },
+        leave: Attitude { pitch: 0.20, bend: 0.05, swing: -2.0, elbow: 0.35 },
         flying: Attitude { pitch: 0.0, bend: 0.30, swing: -1.7, elbow: 0.35 },
         land: Attitude { pitch: 0.35, bend: 0.30, swing: -0.9, elbow: 0.35 },
         give: Attitude { pitch: 0.50, bend: 0.40, swing: -0.35, elbow: 0.45 },
@@ -136,59 +136,110 @@ fn back_flip(body: &Body, values: &Values) -> Made {
         distance: -0.25 * body.scale,
         height: values["height"],
         turns: -1.0,
-        crouch: Attitude { pitch: 0.55, bend: 0.30, swing: 0.70, elbow: 0.30 },
-        leave: Attitude { pitch: -0.25, bend: -0.10, swing: -2.75, elbow: 0.30 },
-        flying: Attitude { pitch: 0.0, bend: 0.70, swing: -0.95, elbow: 0.80 },
-        land: Attitude { pitch: 0.45, bend: 0.35, swing: -1.1, elbow: 0.35 },
-        give: Attitude { pitch: 0.50, bend: 0.40, swing: -0.90, elbow: 0.35 },
+        crouch: Attitude { pitch: 0.62, bend: 0.40, swing: 0.70, elbow: 0.30 },
+        leave: Attitude { pitch: -0.10, bend: -0.10, swing: -2.75, elbow: 0.30 },
+        flying: Attitude { pitch: 0.0, bend: 0.70, swing: -0.55, elbow: 1.0 },
+        land: Attitude { pitch: 0.58, bend: 0.35, swing: -1.1, elbow: 0.35 },
+        give: Attitude { pitch: 0.55, bend: 0.45, swing: -0.90, elbow: 0.35 },
         tuck: (2.0, 2.15),
-        tucked: (0.38, 0.62),
+        tucked: (0.36, 0.64),
     };
     made(body, &style)
 }
 
 fn jump_over(body: &Body, values: &Values) -> Made {
-    let style = Style {
-        distance: 0.6 * body.scale + 0.5 * values["height"],
-        height: 0.30,
+    let obstacle = values["height"];
+    let high = (obstacle / (HIGH_OBSTACLE * body.scale)).min(1.0);
+    let mut style = Style {
+        distance: 0.7 * body.scale + 0.6 * obstacle,
+        height: 0.12 + 0.3 * obstacle,
         turns: 0.0,
         crouch: Attitude { pitch: 0.55, bend: 0.35, swing: 0.60, elbow: 0.35 },
-        leave: Attitude { pitch: 0.10, bend: 0.05, swing: -2.0, elbow: 0.35 },
+        leave: Attitude { pitch: 0.20, bend: 0.05, swing: -2.0, elbow: 0.35 },
         flying: Attitude { pitch: 0.0, bend: 0.50, swing: -1.3, elbow: 0.45 },
         land: Attitude { pitch: 0.35, bend: 0.30, swing: -0.9, elbow: 0.35 },
         give: Attitude { pitch: 0.50, bend: 0.40, swing: -0.35, elbow: 0.45 },
-        tuck: (1.75, 1.85),
+        tuck: (0.9 + 0.85 * high, 1.1 + 0.8 * high),
         tucked: (0.42, 0.58),
     };
+    // Who jumps higher has the feet higher by at least as much.
+    for _ in 0..6 {
+        let (act, timing) = performance(body, &style);
+        let missing = obstacle + SPARE - lowest_over(&act, &timing, style.distance);
+        if missing <= 0.0 {
+            break;
+        }
+        style.height += missing;
+    }
     made(body, &style)
+}
+
+/// Obstacle for which legs are tucked most, metres at 1.75 m.
+const HIGH_OBSTACLE: f64 = 0.4;
+/// Room between soles and obstacle, and the obstacle's half thickness, metres.
+const SPARE: f64 = 0.02;
+pub(super) const HALF_THICKNESS: f64 = 0.03;
+
+/// Where an obstacle is that is jumped over: half way between the toes that leave and the heels that land, metres ahead of the
+/// ankles that leave.
+pub(super) fn obstacle_ahead(body: &Body, distance: f64) -> f64 {
+    0.5 * distance + 0.07 * body.scale
+}
+
+/// Height of the lowest sole while it is over the obstacle, metres.
+fn lowest_over(act: &Performance, timing: &Timing, distance: f64) -> f64 {
+    const PER_FRAME: f64 = 8.0;
+    let middle = obstacle_ahead(&act.body, distance);
+    let steps = frame_at((timing.landing - timing.takeoff) * PER_FRAME);
+    let soles = (1..steps).map(|k| act.soles(timing.takeoff + k as f64 / (FPS * PER_FRAME)));
+    let over = soles.flatten().filter(|sole| {
+        let (near, far) = (sole[0].z.min(sole[1].z), sole[0].z.max(sole[1].z));
+        near < middle + HALF_THICKNESS && far > middle - HALF_THICKNESS
+    });
+    over.map(|sole| sole[0].y.min(sole[1].y)).fold(f64::INFINITY, f64::min)
 }
 
 /// Seconds of getting ready, of the longest push and give, of standing up again, and of standing at both ends.
 const READY: f64 = 0.55;
 const LONGEST_PUSH: f64 = 0.34;
+const LONGEST_GIVE: f64 = 0.28;
 const RISE: f64 = 0.70;
 const STANDING: f64 = 0.10;
+/// Centre of mass ahead of the ankles in the deepest crouches, metres at 1.75 m.
+const READY_AHEAD: f64 = 0.05;
 /// Share of the speed gained times the time that a push covers; its lowest and longest way, metres at 1.75 m.
 const PUSH_SHAPE: f64 = 0.42;
 const LONGEST_WAY: f64 = 0.30;
+const LONGEST_FALL: f64 = 0.20;
 /// Pitch of the feet that leave and its rate, radians and radians per second.
-const TOE_OFF: (f64, f64) = (0.85, 5.0);
+const TOE_OFF: (f64, f64) = (0.70, 3.5);
+/// Eyes below the horizon in a crouch, radians.
+const LOW_GAZE: f64 = 0.20;
+/// Shorter flights leave no time for the whole tuck, seconds.
+const UNHURRIED: f64 = 0.5;
 /// Shares of straight legs at takeoff and landing.
-const LEAVING_LEG: f64 = 0.95;
+const LEAVING_LEG: f64 = 0.93;
 const LANDING_LEG: f64 = 0.92;
 
 /// A clip of a jump.
-pub(super) fn made(body: &Body, style: &Style) -> Made {
+fn made(body: &Body, style: &Style) -> Made {
+    let (act, timing) = performance(body, style);
+    let events = vec![frame_at(timing.takeoff), frame_at(timing.landing)];
+    act.made(frame_at(timing.standing + STANDING), events)
+}
+
+fn performance(body: &Body, style: &Style) -> (Performance, Timing) {
     let mut act = Performance::standing(body);
     let (timing, course) = plan(body, style);
     set_course(&mut act, &timing, &course, style.distance);
     set_limbs(&mut act, &timing, style);
     let key = |time: f64, attitude: &Attitude| Key::still(time, attitude.pitch);
     let flight = timing.landing - timing.takeoff;
+    let much = (flight / UNHURRIED).min(1.0);
     let tuck = |share: f64| Tuck {
         time: timing.takeoff + share * flight,
-        hip: style.tuck.0,
-        knee: style.tuck.1,
+        hip: much * style.tuck.0,
+        knee: much * style.tuck.1,
         ankle: 0.35,
     };
     let air = Air {
@@ -205,9 +256,10 @@ pub(super) fn made(body: &Body, style: &Style) -> Made {
             Key::still(timing.standing, 0.0),
         ],
     };
+    act.trunk.pitch = Curve::new(air.pitch.clone());
+    set_pelvis(&mut act, &timing);
     fly(&mut act, air);
-    let events = vec![frame_at(timing.takeoff), frame_at(timing.landing)];
-    act.made(frame_at(timing.standing + STANDING), events)
+    (act, timing)
 }
 
 /// Decides when everything happens and where the centre of mass is then.
@@ -217,10 +269,10 @@ pub(super) fn made(body: &Body, style: &Style) -> Made {
 fn plan(body: &Body, style: &Style) -> (Timing, Course) {
     let g = -GRAVITY;
     let up = (2.0 * g * style.height).sqrt();
-    let ready = 0.06 * body.scale;
+    let ready = READY_AHEAD * body.scale;
     let push = LONGEST_PUSH.min(LONGEST_WAY * body.scale / (PUSH_SHAPE * up));
     let mut flight = 2.0 * up / g;
-    let mut give = push;
+    let mut give = LONGEST_GIVE;
     let mut course = None;
     for _ in 0..6 {
         let pace = PUSH_SHAPE * push + flight + PUSH_SHAPE * give;
@@ -232,7 +284,7 @@ fn plan(body: &Body, style: &Style) -> (Timing, Course) {
         let fall = (up + (up * up + 2.0 * g * (leave - land)).max(0.0).sqrt()) / g;
         flight = (fall * FPS - 1e-6).ceil() / FPS;
         let down = g * flight - up;
-        give = LONGEST_PUSH.min(LONGEST_WAY * body.scale / (PUSH_SHAPE * down));
+        give = LONGEST_GIVE.min(LONGEST_FALL * body.scale / (PUSH_SHAPE * down));
         course = Some((speed, ahead, leave, down));
     }
     let (speed, ahead, leave, down) = course.unwrap_or_default();
@@ -271,8 +323,9 @@ fn height_for(body: &Body, attitude: &Attitude, (ahead, pitch): (f64, f64), shar
     }
     let length = (THIGH + SHANK) * body.scale;
     let (low, high) = (0.35 * body.scale, 1.4 * body.scale);
+    act.height.share = Curve::constant(1.0);
     let is_short = |s: f64| {
-        act.height = Height::CenterOfMass(Curve::constant(low + s * (high - low)));
+        act.height.center = Curve::constant(low + s * (high - low));
         act.leg_span(0.0) < share * length
     };
     low + crouch::bisect(is_short) * (high - low)
@@ -302,10 +355,31 @@ fn set_course(act: &mut Performance, timing: &Timing, course: &Course, distance:
         still(timing.standing, center.y),
     ];
     act.over[1] = Curve::new(ahead);
-    act.height = Height::CenterOfMass(Curve::new(height));
+    act.height.center = Curve::new(height);
     for track in &mut act.feet {
         move_track(track, timing, distance);
     }
+}
+
+/// Before the lowest point of the push and after that of the landing the pelvis moves as smoothly as the centre of mass does
+/// in between: a trunk that is still bent would stretch the legs.
+fn set_pelvis(act: &mut Performance, timing: &Timing) {
+    let stand = act.height.pelvis.at(0.0);
+    act.height.share = Curve::constant(1.0);
+    let [before, after] = [timing.crouched, timing.given].map(|time| act.pose(time).root.y);
+    let half_way = 0.5 * (timing.given + timing.standing);
+    act.height.share = Curve::through(&[
+        (STANDING, 0.0),
+        (timing.crouched, 1.0),
+        (timing.given, 1.0),
+        (half_way, 0.0),
+    ]);
+    act.height.pelvis = Curve::through(&[
+        (STANDING, stand),
+        (timing.crouched, before),
+        (timing.given, after),
+        (timing.standing, stand),
+    ]);
 }
 
 /// A foot leaves with its heel up and lands flat; in between its leg's joints say where it is.
@@ -322,27 +396,42 @@ fn move_track(track: &mut Track, timing: &Timing, distance: f64) {
 }
 
 fn set_limbs(act: &mut Performance, timing: &Timing, style: &Style) {
-    let middle = |share: f64| timing.takeoff + share * (timing.landing - timing.takeoff);
-    let curve = |still: f64, of: fn(&Attitude) -> f64| {
-        Curve::through(&[
-            (STANDING, still),
-            (timing.crouched, of(&style.crouch)),
-            (timing.takeoff + 0.02, of(&style.leave)),
-            (middle(0.55), of(&style.flying)),
-            (timing.landing, of(&style.land)),
-            (timing.given, of(&style.give)),
-            (timing.standing, still),
-        ])
-    };
-    act.trunk.bend = curve(stand::LEAN, |attitude| attitude.bend);
+    /// Seconds by which the arms swing back before the lowest point and reach up after the takeoff.
+    const EARLY: f64 = 0.14;
+    const LATE: f64 = 0.05;
+    let (set, turned) = (timing.crouched - EARLY, timing.takeoff + LATE);
+    act.trunk.bend = curve(timing, style, [timing.crouched, timing.takeoff], (stand::LEAN, |a| a.bend));
     act.trunk.level = Curve::through(&[
         (timing.crouched, 1.0),
         (timing.takeoff, 0.0),
         (timing.landing, 0.0),
         (timing.given, 1.0),
     ]);
+    act.trunk.gaze = Curve::through(&[
+        (STANDING, 0.0),
+        (timing.crouched, LOW_GAZE),
+        (timing.takeoff, 0.0),
+        (timing.landing, 0.0),
+        (timing.given, LOW_GAZE),
+        (timing.standing, 0.0),
+    ]);
     for arm in &mut act.arms {
-        arm.swing = curve(stand::HANGING_ARM.0, |attitude| attitude.swing);
-        arm.bend = curve(stand::HANGING_ARM.1, |attitude| attitude.elbow);
+        arm.swing = curve(timing, style, [set, turned], (stand::HANGING_ARM.0, |a| a.swing));
+        arm.bend = curve(timing, style, [set, turned], (stand::HANGING_ARM.1, |a| a.elbow));
     }
+}
+
+/// One number of the attitudes; `leaving`: when it is that of the crouch and of the takeoff.
+fn curve(timing: &Timing, style: &Style, leaving: [f64; 2], (still, of): (f64, fn(&Attitude) -> f64)) -> Curve {
+    let middle = |share: f64| timing.takeoff + share * (timing.landing - timing.takeoff);
+    Curve::through(&[
+        (STANDING, still),
+        (leaving[0], of(&style.crouch)),
+        (leaving[1], of(&style.leave)),
+        (middle(style.tucked.0), of(&style.flying)),
+        (middle(style.tucked.1), of(&style.flying)),
+        (timing.landing, of(&style.land)),
+        (timing.given, of(&style.give)),
+        (timing.standing, still),
+    ])
 }

@@ -5,6 +5,7 @@
 
 use glam::DVec3;
 
+use super::arms::palm_from_wrist;
 use super::body::{Body, FOREARM, Side, UPPER_ARM, arm_joints};
 use super::crouch;
 use super::keyed::Curve;
@@ -67,12 +68,14 @@ const BOX_HEIGHT: BuiltinParameter = BuiltinParameter {
 };
 
 /// Palms on a box that is held before the waist, and their fingers below the horizon in radians: up and ahead.
-pub(super) const HELD: (f64, f64, f64) = (1.04, 0.33, 0.35);
+pub(super) const HELD: (f64, f64, f64) = (1.05, 0.36, 0.35);
 /// On a box on the floor: ahead, fingers; and the lowest palm that leaves the fingers room.
 const ON_FLOOR: (f64, f64) = (0.37, 1.05);
 const LOWEST_PALM: f64 = 0.10;
 /// On a box held out to a partner.
-const OFFERED: (f64, f64, f64) = (1.14, 0.50, 0.25);
+const OFFERED: (f64, f64) = (1.18, 0.15);
+/// Share of a straight arm that reaches for a box.
+const STRETCHED: f64 = 0.88;
 /// Space between palms and box before they close on it, metres.
 const OPENING: f64 = 0.07;
 
@@ -123,15 +126,13 @@ fn put_down(body: &Body, values: &Values) -> Made {
 
 /// How deep to crouch so that arms bent a little reach the box, by bisection.
 fn depth_for(body: &Body, width: f64, palm: f64) -> f64 {
-    /// Share of a straight arm.
-    const STRETCHED: f64 = 0.88;
     let shoulder_to_wrist = |depth: f64| {
         let mut act = Performance::standing(body);
         crouch::still(&mut act, depth);
         let pose = act.pose(0.0);
         let shoulder = body.skeleton.forward_kinematics(&pose)[arm_joints(Side::Left)[1]].position;
         let target = DVec3::new(width / 2.0, palm, ON_FLOOR.0 * body.scale);
-        (target - super::arms::palm_from_wrist(body, ON_FLOOR.1)).distance(shoulder)
+        (target - palm_from_wrist(body, ON_FLOOR.1)).distance(shoulder)
     };
     let reach = STRETCHED * (UPPER_ARM + FOREARM) * body.scale;
     crouch::bisect(|depth| shoulder_to_wrist(depth) > reach)
@@ -143,6 +144,7 @@ fn hand_over(body: &Body, values: &Values) -> Made {
     const RELEASE: f64 = 0.50;
     const OPEN: f64 = 0.60;
     const DOWN: f64 = 0.95;
+    let (open, shut) = (values["width"] / 2.0 + OPENING, values["width"] / 2.0);
     let last_frame = frame_at(values["seconds"]);
     let seconds = last_frame as f64 / FPS;
     let release_frame = frame_at(RELEASE * seconds);
@@ -155,27 +157,37 @@ fn hand_over(body: &Body, values: &Values) -> Made {
     act.over[1] = back(center.z, center.z + 0.03 * body.scale);
     act.trunk.pitch = back(0.0, 0.10);
     act.trunk.bend = back(stand::LEAN, stand::LEAN + 0.08);
+    let offered = farthest(&act, OUT * seconds, shut);
     let held = |from: f64, to: f64| {
-        Curve::through(&[(0.04 * seconds, from * body.scale), (OUT * seconds, to * body.scale)])
+        Curve::through(&[(0.04 * seconds, from), (OUT * seconds, to)])
     };
-    let (open, shut) = (values["width"] / 2.0 + OPENING, values["width"] / 2.0);
     for side in Side::BOTH {
         act.arms[side.index()].reach = Some(ReachTrack {
             weight: Curve::through(&[(OPEN * seconds - 0.03 * seconds, 1.0), (DOWN * seconds, 0.0)]),
             palm: [
                 Curve::through(&[(release, side.sign() * shut), (0.68 * seconds, side.sign() * open)]),
-                held(HELD.0, OFFERED.0),
+                held(HELD.0 * body.scale, OFFERED.0 * body.scale),
                 Curve::through(&[
                     (0.04 * seconds, HELD.1 * body.scale),
-                    (OUT * seconds, OFFERED.1 * body.scale),
-                    (OPEN * seconds, OFFERED.1 * body.scale),
+                    (OUT * seconds, offered),
+                    (OPEN * seconds, offered),
                     (DOWN * seconds, HELD.1 * body.scale),
                 ]),
             ],
-            fingers: Curve::through(&[(0.04 * seconds, HELD.2), (OUT * seconds, OFFERED.2)]),
+            fingers: Curve::through(&[(0.04 * seconds, HELD.2), (OUT * seconds, OFFERED.1)]),
         });
     }
     act.made(last_frame, vec![release_frame])
+}
+
+/// How far ahead almost stretched arms hold a box out at `time`, metres.
+fn farthest(act: &Performance, time: f64, half_width: f64) -> f64 {
+    let (body, pose) = (&act.body, act.pose(time));
+    let shoulder = body.skeleton.forward_kinematics(&pose)[arm_joints(Side::Left)[1]].position;
+    let from_wrist = palm_from_wrist(body, OFFERED.1);
+    let away = DVec3::new(half_width, OFFERED.0 * body.scale, 0.0) - from_wrist - shoulder;
+    let reach = STRETCHED * (UPPER_ARM + FOREARM) * body.scale;
+    shoulder.z + from_wrist.z + (reach.powi(2) - away.x.powi(2) - away.y.powi(2)).max(0.0).sqrt()
 }
 
 fn take_over(body: &Body, values: &Values) -> Made {

@@ -15,6 +15,8 @@ mod gait;
 mod jump;
 mod keyed;
 mod lift;
+#[cfg(test)]
+mod limits;
 mod limbs;
 mod mass;
 mod momentum;

@@ -27,11 +27,13 @@ pub(super) struct Performance {
     pub(super) seat: Option<(f64, f64)>,
 }
 
-/// What `height` is the height of, metres.
+/// Heights above the ground, metres, of which one counts, or a mixture of both.
 #[derive(Clone, Debug)]
-pub(super) enum Height {
-    Pelvis(Curve),
-    CenterOfMass(Curve),
+pub(super) struct Height {
+    pub(super) pelvis: Curve,
+    pub(super) center: Curve,
+    /// How much the height of the centre of mass counts: 1 in flights, 0 where legs must not be stretched by a trunk that bends.
+    pub(super) share: Curve,
 }
 
 /// Attitude of the trunk, radians.
@@ -97,7 +99,11 @@ impl Performance {
         Self {
             body: body.clone(),
             over: [center.x, center.z].map(Curve::constant),
-            height: Height::Pelvis(Curve::constant(stance.root.y)),
+            height: Height {
+                pelvis: Curve::constant(stance.root.y),
+                center: Curve::constant(center.y),
+                share: still(),
+            },
             trunk: Trunk {
                 pitch: still(),
                 list: still(),
@@ -159,11 +165,24 @@ impl Performance {
         self.feet[0].foot(&self.body, time).ankle.distance(frames[hip].position)
     }
 
+    /// Heel and tip of both soles, metres.
+    pub(super) fn soles(&self, time: f64) -> [[DVec3; 2]; 2] {
+        /// From the ankle and from the toe joint, metres at 1.75 m.
+        const HEEL: DVec3 = DVec3::new(0.0, -ANKLE_HEIGHT, -0.05);
+        const TIP: DVec3 = DVec3::new(0.0, -ANKLE_HEIGHT - TOE_OFFSET.y, 0.07);
+        let frames = self.body.skeleton.forward_kinematics(&self.pose(time));
+        Side::BOTH.map(|side| {
+            let [_, _, ankle, toe] = leg_joints(side);
+            [(ankle, HEEL), (toe, TIP)].map(|(joint, sole)| {
+                frames[joint].position + frames[joint].rotation * (sole * self.body.scale)
+            })
+        })
+    }
+
     fn first_guess(&self, time: f64) -> DVec3 {
-        let height = match &self.height {
-            Height::Pelvis(height) => height.at(time),
-            Height::CenterOfMass(height) => height.at(time) - 0.05 * self.body.scale,
-        };
+        let Height { pelvis, center, share } = &self.height;
+        let (pelvis, center, share) = (pelvis.at(time), center.at(time), share.at(time));
+        let height = pelvis + share * (center - pelvis);
         DVec3::new(self.over[0].at(time), height, self.over[1].at(time))
     }
 
@@ -175,10 +194,9 @@ impl Performance {
             Some((since, place)) if time >= since => place - pose.root.z,
             _ => self.over[1].at(time) - center.z,
         };
-        let up = match &self.height {
-            Height::Pelvis(height) => height.at(time) - pose.root.y,
-            Height::CenterOfMass(height) => height.at(time) - center.y,
-        };
+        let share = self.height.share.at(time);
+        let up = share * (self.height.center.at(time) - center.y)
+            + (1.0 - share) * (self.height.pelvis.at(time) - pose.root.y);
         DVec3::new(aside, up, ahead)
     }
 

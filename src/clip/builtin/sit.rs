@@ -5,7 +5,7 @@
 use super::body::{Body, Side};
 use super::keyed::Curve;
 use super::lift::backwards;
-use super::performance::{Height, Performance};
+use super::performance::Performance;
 use super::{BuiltinInfo, BuiltinParameter, FPS, Generator, Made, STATURE, Values, frame_at, stand};
 
 pub(super) const ALL: &[Generator] =
@@ -47,12 +47,16 @@ const PELVIS_OVER_SEAT: f64 = 0.13;
 const BEHIND: f64 = 0.015;
 /// Pitch of the pelvis, bend of the back, swing and bend of the arms when the seat takes over, radians.
 const LEANING: (f64, f64) = (0.62, 0.34);
+/// Pitch and bend on the lowest seats, where the thighs leave the pelvis no room.
+const LEANING_LOW: (f64, f64) = (0.22, 1.00);
 const BALANCING: (f64, f64) = (-0.75, 0.45);
 /// The same when sitting.
 const SITTING: (f64, f64) = (-0.06, 0.10);
 const RESTING: (f64, f64) = (-0.30, 0.80);
 /// Drop of the pelvis from which on people lean so much, metres at 1.75 m.
 const FULL_DROP: f64 = 0.30;
+/// Drop on the lowest seats, metres at 1.75 m.
+const LOWEST_DROP: f64 = 0.57;
 
 /// When the seat bears and when the trunk is upright again, as shares of the clip.
 const SEATED: f64 = 0.60;
@@ -67,16 +71,19 @@ fn sit_down(body: &Body, values: &Values) -> Made {
     let mut act = Performance::standing(body);
     let height = stand::pelvis_height(body);
     let low = values["seat"] + PELVIS_OVER_SEAT * body.scale;
-    let lean = ((height - low) / (FULL_DROP * body.scale)).min(1.0);
+    let drop = (height - low) / body.scale;
+    let lean = (drop / FULL_DROP).min(1.0);
+    let deep = ((drop - FULL_DROP) / (LOWEST_DROP - FULL_DROP)).clamp(0.0, 1.0);
+    let leaning = |high: f64, low: f64| high + deep * (low - high);
     let key = |still: f64, down: f64, sitting: f64| {
         let down = still + lean * (down - still);
         Curve::through(&[(times[0], still), (times[1], down), (times[2], sitting)])
     };
     let center = Performance::standing_center(body);
-    act.height = Height::Pelvis(Curve::through(&[(times[0], height), (times[1], low)]));
+    act.height.pelvis = Curve::through(&[(times[0], height), (times[1], low)]);
     act.over[1] = Curve::through(&[(0.0, center.z), (seated, -BEHIND * body.scale)]);
-    act.trunk.pitch = key(0.0, LEANING.0, SITTING.0);
-    act.trunk.bend = key(stand::LEAN, LEANING.1, SITTING.1);
+    act.trunk.pitch = key(0.0, leaning(LEANING.0, LEANING_LOW.0), SITTING.0);
+    act.trunk.bend = key(stand::LEAN, leaning(LEANING.1, LEANING_LOW.1), SITTING.1);
     act.trunk.gaze = key(0.0, 0.35, 0.0);
     for side in Side::BOTH {
         let arm = &mut act.arms[side.index()];
