@@ -9,8 +9,12 @@ mod course;
 mod curve;
 mod gait;
 mod limbs;
+#[cfg(test)]
+mod limits;
+mod loads;
 mod mass;
 mod run;
+mod side;
 mod stand;
 mod walks;
 
@@ -118,7 +122,7 @@ struct Made {
 }
 
 /// Families of generated clips, in the order they are listed.
-const FAMILIES: &[&[Generator]] = &[walks::ALL, run::ALL, acts::ALL];
+const FAMILIES: &[&[Generator]] = &[walks::ALL, run::ALL, side::ALL, loads::ALL, acts::ALL];
 
 /// All generated clips.
 pub fn names() -> impl Iterator<Item = &'static BuiltinInfo> {
