@@ -11,7 +11,7 @@ use std::f64::consts::TAU;
 use glam::{DQuat, DVec3};
 
 use super::body::{ANKLE_HEIGHT, Body, PELVIS_HEIGHT, Side, TOE_OFFSET, Trunk};
-use super::course::Course;
+use super::course::{Course, Place};
 use super::limbs::Foot;
 use super::mass::GRAVITY;
 use super::{FPS, stand};
@@ -37,7 +37,7 @@ const TOES_OUT: f64 = 0.07;
 pub(super) const SETTING_OFF: f64 = 1.3;
 pub(super) const HALTING: f64 = 1.0;
 /// Share of a straight leg that the most stretched leg of the cycle has.
-const LONGEST_LEG: f64 = 0.995;
+const LONGEST_LEG: f64 = 0.997;
 
 /// A way to walk.
 #[derive(Clone, Debug)]
@@ -51,8 +51,21 @@ pub(super) struct Gait {
     height: f64,
     /// Where it goes.
     course: Course,
+    bearing: Bearing,
     /// Where the walk begins and ends, if it does.
     pub(super) ends: Ends,
+}
+
+/// How the upper body is borne, beside what walking does with it.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Bearing {
+    /// Pelvis ahead of where it would be above the feet, metres at 1.75 m.
+    pub(super) ahead: f64,
+    /// Tilt of the pelvis and bend of the trunk, both forward, radians.
+    pub(super) tilt: f64,
+    pub(super) lean: f64,
+    /// Share of the thorax' turning that it does without.
+    pub(super) still: f64,
 }
 
 /// Stands at the ends of a walk.
@@ -83,20 +96,27 @@ impl Gait {
     /// Walking at `speed` along `course`; step length and cadence keep a walk ratio of 0.39 m·s, as people do.
     ///
     /// Source: Sekiya et al., *J. Human Movement Studies* 30 (1996), 241–257 (walk ratio 0.0065 m per step/min).
-    pub(super) fn new(body: Body, speed: f64, course: Course) -> Self {
+    pub(super) fn new(body: Body, speed: f64, course: Course, bearing: Bearing) -> Self {
         const WALK_RATIO: f64 = 0.39;
         let step = (speed * WALK_RATIO * body.scale).sqrt();
         let half_period = (step / speed * FPS).round() / FPS;
         let height = PELVIS_HEIGHT * body.scale;
         let ends = Ends::default();
-        let mut gait = Self { height, period: 2.0 * half_period, body, speed, course, ends };
+        let mut gait = Self { height, period: 2.0 * half_period, body, speed, course, bearing, ends };
         gait.height = gait.highest_reachable();
         gait
     }
 
     /// Pose `time` seconds after a strike of the left foot at which the pelvis was over the origin.
     pub(super) fn pose(&self, time: f64) -> Pose {
-        self.stretched_pose(time).0
+        let mut pose = self.pose_on_course(time, 1.0).0;
+        self.place(time).bring(&mut pose);
+        pose
+    }
+
+    /// Where on its course the body is.
+    pub(super) fn place(&self, time: f64) -> Place {
+        self.course.place(self.travel(time))
     }
 
     /// Where in the world a foot is `time` seconds after a strike of the left one.
@@ -163,7 +183,7 @@ impl Gait {
 
     /// Distance of a striking ankle ahead of the pelvis, metres.
     fn reach_ahead(&self) -> f64 {
-        0.225 * self.speed * self.period
+        0.235 * self.speed * self.period
     }
 
     /// Largest height of the pelvis at which both legs reach their feet all the time, by bisection.
@@ -173,7 +193,7 @@ impl Gait {
         for _ in 0..40 {
             trial.height = 0.5 * (low + high);
             let longest = (0..60)
-                .map(|k| trial.stretched_pose(self.period * f64::from(k) / 60.0).1)
+                .map(|k| trial.pose_on_course(self.period * f64::from(k) / 60.0, 1.0).1)
                 .fold(0.0, f64::max);
             if longest < LONGEST_LEG {
                 low = trial.height;
@@ -184,28 +204,29 @@ impl Gait {
         low
     }
 
-    /// Pose and how far its more stretched leg is stretched.
-    fn stretched_pose(&self, time: f64) -> (Pose, f64) {
+    /// Pose on the course straightened where the body is, with a share of its bearing, and how far its more stretched leg is
+    /// stretched.
+    pub(super) fn pose_on_course(&self, time: f64, bearing: f64) -> (Pose, f64) {
         let share = self.pace(time);
         let pace = share * self.speed.min(1.6) / 1.2;
         let angle = TAU * time / self.period;
         let wave = |phase: f64| (angle - TAU * phase).cos();
         let bob = (2.0 * (angle - TAU * MID_STANCE)).cos();
         let stand = stand::pelvis_height(&self.body);
-        let place = self.course.place(self.travel(time));
+        let (place, borne) = (self.place(time), self.bearing);
         let list = -share * self.list();
         let pelvis = DVec3::new(
             0.018 * self.body.scale * share * wave(MID_STANCE) - self.height * list.tan(),
-            stand + share * (self.height - stand) + 0.021 * self.body.scale * pace * bob,
-            self.travel(time),
+            stand + share * (self.height - stand) + 0.016 * self.body.scale * pace * bob,
+            self.travel(time) + borne.ahead * bearing * self.body.scale,
         );
         let trunk = Trunk {
-            pelvis_turn: -0.07 * pace * wave(0.03),
+            pelvis_turn: -0.09 * pace * wave(0.03),
             pelvis_list: 0.045 * pace * wave(0.2) + list,
             chest_list: list,
-            chest_turn: 0.08 * pace * wave(0.03),
-            lean: stand::LEAN + share * (0.03 - stand::LEAN) + 0.03 * pace,
-            ..Trunk::default()
+            pelvis_tilt: 0.11 * pace + borne.tilt * bearing,
+            chest_turn: 0.08 * pace * wave(0.03) * (1.0 - borne.still * bearing),
+            lean: stand::LEAN * (1.0 - share) - 0.03 * pace + borne.lean * bearing,
         };
         let mut pose = self.body.pose(pelvis, trunk);
         let mut longest: f64 = 0.0;
@@ -219,7 +240,6 @@ impl Gait {
             let mixed = |stand: f64, walk: f64| stand + share * (walk - stand);
             self.body.hang_arm(&mut pose, side, mixed(stand_swing, swing), mixed(stand_bend, bend));
         }
-        place.bring(&mut pose);
         (pose, longest)
     }
 
@@ -280,7 +300,7 @@ impl Gait {
         let to = step.next.ankle;
         let bump = DVec3::Y * (LIFT * self.body.scale * 16.0 * (u * (1.0 - u)).powi(2));
         let ankle = DVec3::new(
-            to.x + (from.x - to.x) * (1.0 - smoothstep(u)),
+            hermite([from.x, to.x], [rate.x, 0.0], u),
             hermite([from.y, to.y], [rate.y, 0.0], u),
             hermite([from.z, to.z], [rate.z, 0.0], u),
         ) + bump;

@@ -3,6 +3,7 @@
 use glam::{DMat3, DQuat, DVec3};
 
 use super::body::{Body, FOREARM, PELVIS, SHANK, Side, THIGH, UPPER_ARM, arm_joints, leg_joints};
+use crate::geometry::slerp;
 use crate::skeleton::Pose;
 
 /// Where one foot is, upright but for its pitch.
@@ -42,6 +43,23 @@ pub(super) struct ArmTarget {
     pub(super) fingers: DVec3,
     /// World direction of the palm, made perpendicular to the fingers.
     pub(super) palm: DVec3,
+}
+
+impl ArmTarget {
+    /// Share `s` of the way to another target; the hand turns steadily.
+    pub(super) fn towards(self, to: Self, s: f64) -> Self {
+        let attitude = |target: Self| {
+            let fingers = target.fingers.normalize();
+            axes(fingers, perpendicular(target.palm, fingers))
+        };
+        let hand = slerp(attitude(self), attitude(to), s);
+        Self {
+            wrist: self.wrist.lerp(to.wrist, s),
+            elbow: self.elbow.normalize().lerp(to.elbow.normalize(), s),
+            fingers: hand * DVec3::X,
+            palm: hand * DVec3::Y,
+        }
+    }
 }
 
 /// Angles of an arm that is not told where its hand is to be, radians; all zero: it hangs along the trunk.
@@ -111,6 +129,20 @@ impl Body {
         pose.rotations[shoulder] = DQuat::from_rotation_x(arm.swing) * down * inwards;
         pose.rotations[elbow] = DQuat::from_rotation_y(-side.sign() * arm.bend);
         pose.rotations[hand] = DQuat::from_rotation_z(side.sign() * 0.05);
+    }
+
+    /// Where an arm is in a pose: [`Body::reach`] for it leaves the arm there.
+    pub(super) fn arm_target(&self, pose: &Pose, side: Side) -> ArmTarget {
+        let [_, shoulder, elbow, wrist] = arm_joints(side);
+        let frames = self.skeleton.forward_kinematics(pose);
+        let at = |joint: usize| frames[joint].position;
+        let hand = frames[wrist].rotation;
+        ArmTarget {
+            wrist: at(wrist),
+            elbow: at(elbow) - at(shoulder).midpoint(at(wrist)),
+            fingers: hand * (DVec3::X * side.sign()),
+            palm: hand * DVec3::NEG_Y,
+        }
     }
 
     /// Brings a hand where `target` says; half the forearm's twist is the elbow joint's. Returns how far the arm is stretched,

@@ -15,13 +15,15 @@ mod gait;
 mod jump;
 mod keyed;
 mod lift;
+mod limbs;
 #[cfg(test)]
 mod limits;
-mod limbs;
+mod loads;
 mod mass;
 mod momentum;
 mod performance;
 mod run;
+mod side;
 mod sit;
 mod stand;
 mod walks;
@@ -130,7 +132,17 @@ struct Made {
 }
 
 /// Families of generated clips, in the order they are listed.
-const FAMILIES: &[&[Generator]] = &[walks::ALL, run::ALL, acts::ALL, lift::ALL, sit::ALL, dodge::ALL, jump::ALL];
+const FAMILIES: &[&[Generator]] = &[
+    walks::ALL,
+    run::ALL,
+    side::ALL,
+    loads::ALL,
+    acts::ALL,
+    lift::ALL,
+    sit::ALL,
+    dodge::ALL,
+    jump::ALL,
+];
 
 /// All generated clips.
 pub fn names() -> impl Iterator<Item = &'static BuiltinInfo> {

@@ -48,7 +48,7 @@ const RUN: BuiltinInfo = BuiltinInfo {
 
 /// Shares of a stance: flat foot, heel lifting.
 const FLAT: f64 = 0.2;
-const HEEL_OFF: f64 = 0.42;
+const HEEL_OFF: f64 = 0.36;
 /// Pitch of the foot at touch-down and at take-off, radians.
 const STRIKE_PITCH: f64 = -0.10;
 const TOE_OFF_PITCH: f64 = 1.08;
@@ -181,7 +181,7 @@ impl Running {
         let side = side_of(number);
         let turn = self.turn * self.step * f64::from(number);
         let middle = self.center_in(number, 0.5 * self.stance);
-        let outwards = side.sign() * HALF_STEP_WIDTH * self.body.scale - self.height * self.list().tan();
+        let outwards = self.beside(side, ANKLE_HEIGHT * self.body.scale);
         let behind = (0.5 - AHEAD) * self.speed * self.stance;
         let swayed = side.sign() * SIDEWAYS * (0.5 * (self.step - self.stance) + self.stance / PI);
         let ankle = DVec3::new(outwards - swayed, 0.0, -behind);
@@ -214,6 +214,14 @@ impl Running {
         [place.with_y(foot.ankle.y), attitude]
     }
 
+    /// How far to the side of the centre of mass an ankle at some height is, metres: the leg leans as the body does, and
+    /// a lifted foot is nearer to below its hip.
+    fn beside(&self, side: Side, height: f64) -> f64 {
+        let lifted = height - ANKLE_HEIGHT * self.body.scale;
+        let outwards = HALF_STEP_WIDTH * self.body.scale + 0.12 * lifted;
+        side.sign() * outwards - (self.height - height) * self.list().tan()
+    }
+
     /// The foot that stood in a step, `since` its touch-down, in the air before its next.
     fn swinging(&self, number: i32, since: f64) -> Foot {
         /// Half the interval of difference quotients, seconds.
@@ -231,7 +239,7 @@ impl Running {
         // The stance formulas hold a little before and beyond a stance; a foot is still as it lands.
         let slopes = [rate(number, self.stance - SMALL), self.landing_rate(number + 2, seconds)];
         let u = (since - self.stance) / seconds;
-        let [place, attitude] = self.swing_curves(ends, slopes).map(|curve| curve.at(u));
+        let [place, attitude] = self.swing_curves(side_of(number), ends, slopes).map(|curve| curve.at(u));
         let time = self.step * f64::from(number) + since;
         let ankle = self.center(time) + yaw(self.heading(time)) * place;
         Foot {
@@ -252,25 +260,27 @@ impl Running {
     }
 
     /// Place and attitude of a foot over the share of its swing: heel to the buttock, knee up, down to the ground.
-    fn swing_curves(&self, ends: [[DVec3; 2]; 2], slopes: [[DVec3; 2]; 2]) -> [Curve; 2] {
-        let fast = ((self.speed / self.body.scale.sqrt() - 2.5) / 2.0).clamp(0.0, 1.2);
+    fn swing_curves(&self, side: Side, ends: [[DVec3; 2]; 2], slopes: [[DVec3; 2]; 2]) -> [Curve; 2] {
+        let fast = ((self.speed / self.body.scale.sqrt() - 2.5) / 2.0).clamp(0.0, 1.0);
         let scale = self.body.scale;
-        let side = 0.5 * (ends[0][0].x + ends[1][0].x);
-        let key = |u: f64, ahead: f64, high: f64| (u, DVec3::new(side, high * scale, ahead * scale));
+        let key = |u: f64, ahead: f64, high: f64| {
+            (u, DVec3::new(self.beside(side, high * scale), high * scale, ahead * scale))
+        };
         let places = [
             (0.0, ends[0][0]),
-            key(0.30, -0.43 - 0.02 * fast, 0.42 + 0.12 * fast),
-            key(0.52, -0.13 + 0.03 * fast, 0.41 + 0.11 * fast),
-            key(0.74, 0.19 + 0.09 * fast, 0.28 + 0.11 * fast),
-            key(0.89, 0.275 + 0.08 * fast, 0.15 + 0.05 * fast),
+            key(0.30, -0.42 - 0.02 * fast, 0.40 + 0.09 * fast),
+            key(0.52, -0.12 + 0.03 * fast, 0.33 + 0.11 * fast),
+            key(0.74, 0.20 + 0.09 * fast, 0.19 + 0.13 * fast),
+            key(0.89, 0.285 + 0.07 * fast, 0.125 + 0.05 * fast),
             (1.0, ends[1][0]),
         ];
         let pitch = |u: f64, pitch: f64| (u, DVec3::new(0.0, pitch, 0.0));
         let attitudes = [
             (0.0, ends[0][1]),
-            pitch(0.26, 1.45 + 0.10 * fast),
-            pitch(0.50, 0.95 + 0.10 * fast),
-            pitch(0.78, 0.05),
+            pitch(0.24, 1.55 + 0.10 * fast),
+            pitch(0.40, 1.50 + 0.15 * fast),
+            pitch(0.55, 0.85 + 0.15 * fast),
+            pitch(0.78, 0.08),
             (1.0, ends[1][1]),
         ];
         let slope = |k: usize| [slopes[0][k], slopes[1][k]];

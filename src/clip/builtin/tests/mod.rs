@@ -124,6 +124,16 @@ fn knees_and_elbows_bend_one_way() {
 }
 
 #[test]
+fn joints_stay_within_human_limits() {
+    for clip in many() {
+        for frame in 0..clip.frame_count() {
+            let beyond = limits::beyond(&clip.pose(SourceFrame::from_usize(frame)));
+            assert!(beyond.is_empty(), "{} {frame}: {beyond:?}", clip.name);
+        }
+    }
+}
+
+#[test]
 fn joints_turn_no_faster_than_people_can() {
     /// Radians per second; the slapping arm may be faster.
     const FASTEST: f64 = 12.0;

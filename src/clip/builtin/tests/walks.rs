@@ -1,7 +1,7 @@
 //! What clips of locomotion promise.
 
 use super::super::course::Course;
-use super::super::gait::{FLAT, Gait, HEEL_OFF, TOE_OFF};
+use super::super::gait::{Bearing, FLAT, Gait, HEEL_OFF, TOE_OFF};
 use super::*;
 
 /// Walks and bodies at the ends of their ranges.
@@ -15,6 +15,24 @@ pub(super) fn variants() -> Vec<Clip> {
     }
     for stature in [1.2, 2.2] {
         clips.push(made("walk", &[("stature", stature)]));
+    }
+    for (speed, turn, stature) in [
+        (2.5, 45.0, 1.75),
+        (4.5, -45.0, 1.75),
+        (2.5, 0.0, 1.2),
+        (4.5, 0.0, 1.2),
+        (2.5, 0.0, 2.2),
+        (4.5, 45.0, 2.2),
+    ] {
+        clips.push(made("run", &[("speed", speed), ("turn", turn), ("stature", stature)]));
+    }
+    for (speed, turn, ends) in
+        [(0.5, 45.0, 0.0), (1.8, -45.0, 0.0), (0.5, -45.0, 1.0), (1.2, 45.0, 1.0), (1.8, 45.0, 1.0)]
+    {
+        clips.push(made(
+            "walk",
+            &[("speed", speed), ("turn", turn), ("start", ends), ("stop", ends), ("seconds", 5.0)],
+        ));
     }
     clips
 }
@@ -49,7 +67,8 @@ fn strike_phases(clip: &Clip) -> [Vec<f64>; 2] {
         &clip.skeleton.forward_kinematics(&clip.skeleton.rest_pose()),
         joint(clip, JointRole::Head),
     );
-    let gait = Gait::new(Body::new(stature.expect("the head ends").y), speed, Course::default());
+    let gait =
+        Gait::new(Body::new(stature.expect("the head ends").y), speed, Course::default(), Bearing::default());
     [0.0, 0.5].map(|delay| {
         (0..clip.frame_count())
             .map(|frame| (frame as f64 / FPS / gait.period - delay + 1e-9).rem_euclid(1.0))
@@ -85,7 +104,7 @@ fn down(clip: &Clip, role: JointRole, height: f64) -> Vec<bool> {
 fn a_walk_cycle_closes_in_pose_and_speed() {
     for speed in [0.5, 1.2, 1.8] {
         let clip = made("walk", &[("speed", speed)]);
-        let gait = Gait::new(Body::new(1.75), speed, Course::default());
+        let gait = Gait::new(Body::new(1.75), speed, Course::default(), Bearing::default());
         let cycle = floor_index(gait.period * FPS + 0.5);
         assert!((gait.period * FPS - cycle as f64).abs() < ROUNDING);
         let (first, last) = (clip.pose(SourceFrame(0)), clip.pose(SourceFrame::from_usize(cycle)));
