@@ -53,17 +53,17 @@ fn target(body: &Body, pose: &Pose, side: Side, reach: Reach) -> ArmTarget {
     ArmTarget {
         wrist: shoulder + to_wrist * (spanned / distance),
         // Outwards, down and back: never along an arm that works in front of the body.
-        elbow: DVec3::new(side.sign() * 0.5, -0.6, -0.6),
+        elbow: DVec3::new(side.sign() * 0.6, -0.4, -1.0),
         fingers: from_wrist,
         palm: DVec3::NEG_X * side.sign(),
     }
 }
 
-/// Distance that an arm of `length` spans for a target at `distance`: the same below nine tenths, then less and less more, so
+/// Distance that an arm of `length` spans for a target at `distance`: the same below that share of the arm, then less and less more, so
 /// that an arm on its way to a target that is still too far does not snap straight.
 fn soft_reach(distance: f64, length: f64) -> f64 {
-    const EXACT: f64 = 0.9;
-    const SLACK: f64 = 0.085;
+    const EXACT: f64 = 0.92;
+    const SLACK: f64 = 0.07;
     let share = distance / length;
     if share <= EXACT {
         return distance;

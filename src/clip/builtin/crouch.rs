@@ -8,7 +8,7 @@ use super::stand;
 /// mass ahead of the ankles in metres at 1.75 m.
 const DROP: f64 = 0.50;
 const PITCH: f64 = 0.46;
-const BEND: f64 = 0.95;
+const BEND: f64 = 1.08;
 const AHEAD: f64 = 0.055;
 
 /// Stands at time 0, is `depth` (0 to 1) of a full crouch low between two times, and stands again: four times, seconds.

@@ -102,7 +102,7 @@ fn crouch_for(body: &Body, drop: f64) -> f64 {
 }
 
 /// When the stepping foot leaves and lands, leaves and lands again, as shares of the clip.
-const STEPS: [f64; 4] = [0.13, 0.36, 0.62, 0.87];
+const STEPS: [f64; 4] = [0.15, 0.37, 0.64, 0.88];
 
 fn dodge(body: &Body, values: &Values) -> Made {
     let last_frame = frame_at(values["seconds"]);
@@ -116,8 +116,8 @@ fn dodge(body: &Body, values: &Values) -> Made {
     };
     let sign = side.sign();
     // The weight goes to the other foot before this one is lifted, and when it comes back.
-    let aside = [(0.0, 0.0), (0.13, -0.05 * body.scale), (0.47, 0.09 * body.scale + 0.54 * distance)];
-    let back = [(0.52, aside[2].1), (0.84, -0.05 * body.scale), (1.0, 0.0)];
+    let aside = [(0.0, 0.0), (0.15, -0.078 * body.scale), (0.47, 0.09 * body.scale + 0.54 * distance)];
+    let back = [(0.52, aside[2].1), (0.86, -0.06 * body.scale), (1.0, 0.0)];
     let keys: Vec<_> = aside.into_iter().chain(back).map(|(share, x)| (share * seconds, sign * x)).collect();
     act.over[0] = Curve::through(&keys);
     let height = stand::pelvis_height(body);
@@ -147,7 +147,8 @@ fn step_aside(act: &mut Performance, side: Side, distance: f64, times: [f64; 4])
     track.toe[0] = Curve::through(&[(leave, x), (land, far), (leave_again, far), (land_again, x)]);
     let (first, second) = (0.5 * (leave + land), 0.5 * (leave_again + land_again));
     let bump = |low: f64, high: f64| {
-        let keys = [(leave, low), (first, high), (land, low), (leave_again, low), (second, high), (land_again, low)];
+        let keys =
+            [(leave, low), (first, high), (land, low), (leave_again, low), (second, high), (land_again, low)];
         Curve::through(&keys)
     };
     track.toe[1] = bump(y, y + 0.05 * scale);

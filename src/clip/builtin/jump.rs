@@ -8,8 +8,11 @@ use super::mass::GRAVITY;
 use super::performance::{Performance, Track};
 use super::{BuiltinInfo, BuiltinParameter, FPS, Generator, Made, STATURE, Values, frame_at, stand};
 
-pub(super) const ALL: &[Generator] =
-    &[Generator { info: JUMP, make: jump }, Generator { info: JUMP_OVER, make: jump_over }, Generator { info: BACK_FLIP, make: back_flip }];
+pub(super) const ALL: &[Generator] = &[
+    Generator { info: JUMP, make: jump },
+    Generator { info: JUMP_OVER, make: jump_over },
+    Generator { info: BACK_FLIP, make: back_flip },
+];
 
 const BACK_FLIP: BuiltinInfo = BuiltinInfo {
     name: "back_flip",
@@ -17,7 +20,7 @@ const BACK_FLIP: BuiltinInfo = BuiltinInfo {
     parameters: &[
         BuiltinParameter {
             name: "height",
-            description: "by which the centre of mass rises in flight",
+            description: "by which the centre of mass rises in flight, to the nearest flight of whole frames",
             unit: "m",
             default: 0.45,
             range: (0.4, 0.55),
@@ -56,7 +59,7 @@ const JUMP: BuiltinInfo = BuiltinInfo {
         },
         BuiltinParameter {
             name: "height",
-            description: "by which the centre of mass rises in flight",
+            description: "by which the centre of mass rises in flight, to the nearest flight of whole frames",
             unit: "m",
             default: 0.25,
             range: (0.1, 0.35),
@@ -124,7 +127,7 @@ fn jump(body: &Body, values: &Values) -> Made {
         leave: Attitude { pitch: 0.20, bend: 0.05, swing: -2.0, elbow: 0.35 },
         flying: Attitude { pitch: 0.0, bend: 0.30, swing: -1.7, elbow: 0.35 },
         land: Attitude { pitch: 0.35, bend: 0.30, swing: -0.9, elbow: 0.35 },
-        give: Attitude { pitch: 0.50, bend: 0.40, swing: -0.35, elbow: 0.45 },
+        give: Attitude { pitch: 0.46, bend: 0.40, swing: -0.35, elbow: 0.45 },
         tuck: (0.9, 1.2),
         tucked: (0.45, 0.55),
     };
@@ -139,7 +142,7 @@ fn back_flip(body: &Body, values: &Values) -> Made {
         crouch: Attitude { pitch: 0.62, bend: 0.40, swing: 0.70, elbow: 0.30 },
         leave: Attitude { pitch: -0.10, bend: -0.10, swing: -2.75, elbow: 0.30 },
         flying: Attitude { pitch: 0.0, bend: 0.70, swing: -0.55, elbow: 1.0 },
-        land: Attitude { pitch: 0.58, bend: 0.35, swing: -1.1, elbow: 0.35 },
+        land: Attitude { pitch: 0.70, bend: 0.35, swing: -1.1, elbow: 0.35 },
         give: Attitude { pitch: 0.55, bend: 0.45, swing: -0.90, elbow: 0.35 },
         tuck: (2.0, 2.15),
         tucked: (0.36, 0.64),
@@ -158,24 +161,26 @@ fn jump_over(body: &Body, values: &Values) -> Made {
         leave: Attitude { pitch: 0.20, bend: 0.05, swing: -2.0, elbow: 0.35 },
         flying: Attitude { pitch: 0.0, bend: 0.50, swing: -1.3, elbow: 0.45 },
         land: Attitude { pitch: 0.35, bend: 0.30, swing: -0.9, elbow: 0.35 },
-        give: Attitude { pitch: 0.50, bend: 0.40, swing: -0.35, elbow: 0.45 },
+        give: Attitude { pitch: 0.46, bend: 0.40, swing: -0.35, elbow: 0.45 },
         tuck: (0.9 + 0.85 * high, 1.1 + 0.8 * high),
         tucked: (0.42, 0.58),
     };
     // Who jumps higher has the feet higher by at least as much.
-    for _ in 0..6 {
+    for _ in 0..8 {
         let (act, timing) = performance(body, &style);
         let missing = obstacle + SPARE - lowest_over(&act, &timing, style.distance);
         if missing <= 0.0 {
             break;
         }
-        style.height += missing;
+        style.height += missing.max(LEAST_RAISE);
     }
     made(body, &style)
 }
 
 /// Obstacle for which legs are tucked most, metres at 1.75 m.
 const HIGH_OBSTACLE: f64 = 0.4;
+/// A flight of one frame more, metres.
+const LEAST_RAISE: f64 = 0.02;
 /// Room between soles and obstacle, and the obstacle's half thickness, metres.
 const SPARE: f64 = 0.02;
 pub(super) const HALF_THICKNESS: f64 = 0.03;
@@ -210,7 +215,7 @@ const READY_AHEAD: f64 = 0.05;
 /// Share of the speed gained times the time that a push covers; its lowest and longest way, metres at 1.75 m.
 const PUSH_SHAPE: f64 = 0.42;
 const LONGEST_WAY: f64 = 0.30;
-const LONGEST_FALL: f64 = 0.20;
+const LONGEST_FALL: f64 = 0.26;
 /// Pitch of the feet that leave and its rate, radians and radians per second.
 const TOE_OFF: (f64, f64) = (0.70, 3.5);
 /// Eyes below the horizon in a crouch, radians.
@@ -262,52 +267,69 @@ fn performance(body: &Body, style: &Style) -> (Performance, Timing) {
     (act, timing)
 }
 
+/// Speeds (m/s), durations (s) and heights of the centre of mass (m) of a jump.
+#[derive(Clone, Copy, Debug)]
+struct Ballistics {
+    ahead: f64,
+    up: f64,
+    down: f64,
+    push: f64,
+    flight: f64,
+    give: f64,
+    leave: f64,
+    land: f64,
+}
+
 /// Decides when everything happens and where the centre of mass is then.
-///
-/// The legs' stretch fixes the heights at takeoff and landing, these the time in the air, that the speed, and that how far the
-/// centre is ahead of the feet, on which the heights depend: a fixed point of a few rounds.
 fn plan(body: &Body, style: &Style) -> (Timing, Course) {
-    let g = -GRAVITY;
-    let up = (2.0 * g * style.height).sqrt();
-    let ready = READY_AHEAD * body.scale;
-    let push = LONGEST_PUSH.min(LONGEST_WAY * body.scale / (PUSH_SHAPE * up));
-    let mut flight = 2.0 * up / g;
-    let mut give = LONGEST_GIVE;
-    let mut course = None;
-    for _ in 0..6 {
-        let pace = PUSH_SHAPE * push + flight + PUSH_SHAPE * give;
-        let speed = style.distance / pace;
-        let ahead = ready + PUSH_SHAPE * speed * push;
-        let behind = ready - PUSH_SHAPE * speed * give;
-        let leave = height_for(body, &style.leave, (ahead, TOE_OFF.0), LEAVING_LEG);
-        let land = height_for(body, &style.land, (behind, 0.0), LANDING_LEG);
-        let fall = (up + (up * up + 2.0 * g * (leave - land)).max(0.0).sqrt()) / g;
-        flight = (fall * FPS - 1e-6).ceil() / FPS;
-        let down = g * flight - up;
-        give = LONGEST_GIVE.min(LONGEST_FALL * body.scale / (PUSH_SHAPE * down));
-        course = Some((speed, ahead, leave, down));
+    const ROUNDS: usize = 6;
+    let up = (-2.0 * GRAVITY * style.height).sqrt();
+    let flight = -2.0 * up / GRAVITY;
+    let (push, give, down) = (LONGEST_PUSH, LONGEST_GIVE, up);
+    let mut jump = Ballistics { ahead: 0.0, up, down, push, flight, give, leave: 0.0, land: 0.0 };
+    for _ in 0..ROUNDS {
+        jump = refined(body, style, &jump);
     }
-    let (speed, ahead, leave, down) = course.unwrap_or_default();
-    let land = leave + up * flight - 0.5 * g * flight * flight;
-    let takeoff_frame = ((STANDING + READY + push) * FPS).round();
-    let (takeoff, landing) = (takeoff_frame / FPS, (takeoff_frame + (flight * FPS).round()) / FPS);
+    let ready = READY_AHEAD * body.scale;
+    let takeoff_frame = ((STANDING + READY + jump.push) * FPS).round();
+    let (takeoff, landing) = (takeoff_frame / FPS, (takeoff_frame + (jump.flight * FPS).round()) / FPS);
     let timing = Timing {
-        crouched: takeoff - push,
+        crouched: takeoff - jump.push,
         takeoff,
         landing,
-        given: landing + give,
-        standing: landing + give + RISE,
+        given: landing + jump.give,
+        standing: landing + jump.give + RISE,
     };
+    let leave = ready + PUSH_SHAPE * jump.ahead * jump.push;
     let course = Course {
-        crouched: (ready, leave - PUSH_SHAPE * up * push),
-        leave: (ahead, leave),
-        land: (ahead + speed * flight, land),
-        given: (style.distance + ready, land - PUSH_SHAPE * down * give),
-        speed,
-        up,
-        down,
+        crouched: (ready, jump.leave - PUSH_SHAPE * jump.up * jump.push),
+        leave: (leave, jump.leave),
+        land: (leave + jump.ahead * jump.flight, jump.land),
+        given: (style.distance + ready, jump.land - PUSH_SHAPE * jump.down * jump.give),
+        speed: jump.ahead,
+        up: jump.up,
+        down: jump.down,
     };
     (timing, course)
+}
+
+/// One round of a fixed point: the legs' stretch fixes the heights at takeoff and landing; with them a flight of whole frames
+/// fixes the speed up; the durations fix the speed ahead, that how far ahead of the feet the centre is, and that the heights.
+fn refined(body: &Body, style: &Style, before: &Ballistics) -> Ballistics {
+    let (g, scale) = (-GRAVITY, body.scale);
+    let push = LONGEST_PUSH.min(LONGEST_WAY * scale / (PUSH_SHAPE * before.up));
+    let give = LONGEST_GIVE.min(LONGEST_FALL * scale / (PUSH_SHAPE * before.down));
+    let ahead = style.distance / (PUSH_SHAPE * (push + give) + before.flight);
+    let ready = READY_AHEAD * scale;
+    let leave = height_for(body, &style.leave, (ready + PUSH_SHAPE * ahead * push, TOE_OFF.0), LEAVING_LEG);
+    let land = height_for(body, &style.land, (ready - PUSH_SHAPE * ahead * give, 0.0), LANDING_LEG);
+    let asked = (2.0 * g * style.height).sqrt();
+    let fall = (asked + (asked * asked + 2.0 * g * (leave - land)).max(0.0).sqrt()) / g;
+    let flight = (fall * FPS).round() / FPS;
+    let up = (land - leave) / flight + 0.5 * g * flight;
+    // The last round's own durations belong to its speeds.
+    let ahead = style.distance / (PUSH_SHAPE * (push + give) + flight);
+    Ballistics { ahead, up, down: g * flight - up, push, flight, give, leave, land }
 }
 
 /// Height of the centre of mass `ahead` of flat feet (or on their toes with `pitch`) at which the legs are stretched to `share`.
@@ -368,12 +390,8 @@ fn set_pelvis(act: &mut Performance, timing: &Timing) {
     act.height.share = Curve::constant(1.0);
     let [before, after] = [timing.crouched, timing.given].map(|time| act.pose(time).root.y);
     let half_way = 0.5 * (timing.given + timing.standing);
-    act.height.share = Curve::through(&[
-        (STANDING, 0.0),
-        (timing.crouched, 1.0),
-        (timing.given, 1.0),
-        (half_way, 0.0),
-    ]);
+    act.height.share =
+        Curve::through(&[(STANDING, 0.0), (timing.crouched, 1.0), (timing.given, 1.0), (half_way, 0.0)]);
     act.height.pelvis = Curve::through(&[
         (STANDING, stand),
         (timing.crouched, before),
@@ -422,7 +440,12 @@ fn set_limbs(act: &mut Performance, timing: &Timing, style: &Style) {
 }
 
 /// One number of the attitudes; `leaving`: when it is that of the crouch and of the takeoff.
-fn curve(timing: &Timing, style: &Style, leaving: [f64; 2], (still, of): (f64, fn(&Attitude) -> f64)) -> Curve {
+fn curve(
+    timing: &Timing,
+    style: &Style,
+    leaving: [f64; 2],
+    (still, of): (f64, fn(&Attitude) -> f64),
+) -> Curve {
     let middle = |share: f64| timing.takeoff + share * (timing.landing - timing.takeoff);
     Curve::through(&[
         (STANDING, still),

@@ -68,14 +68,14 @@ const BOX_HEIGHT: BuiltinParameter = BuiltinParameter {
 };
 
 /// Palms on a box that is held before the waist, and their fingers below the horizon in radians: up and ahead.
-pub(super) const HELD: (f64, f64, f64) = (1.05, 0.36, 0.35);
+pub(super) const HELD: (f64, f64, f64) = (0.99, 0.336, 0.682);
 /// On a box on the floor: ahead, fingers; and the lowest palm that leaves the fingers room.
 const ON_FLOOR: (f64, f64) = (0.37, 1.05);
 const LOWEST_PALM: f64 = 0.10;
 /// On a box held out to a partner.
 const OFFERED: (f64, f64) = (1.18, 0.15);
 /// Share of a straight arm that reaches for a box.
-const STRETCHED: f64 = 0.88;
+const STRETCHED: f64 = 0.87;
 /// Space between palms and box before they close on it, metres.
 const OPENING: f64 = 0.07;
 
@@ -158,9 +158,7 @@ fn hand_over(body: &Body, values: &Values) -> Made {
     act.trunk.pitch = back(0.0, 0.10);
     act.trunk.bend = back(stand::LEAN, stand::LEAN + 0.08);
     let offered = farthest(&act, OUT * seconds, shut);
-    let held = |from: f64, to: f64| {
-        Curve::through(&[(0.04 * seconds, from), (OUT * seconds, to)])
-    };
+    let held = |from: f64, to: f64| Curve::through(&[(0.04 * seconds, from), (OUT * seconds, to)]);
     for side in Side::BOTH {
         act.arms[side.index()].reach = Some(ReachTrack {
             weight: Curve::through(&[(OPEN * seconds - 0.03 * seconds, 1.0), (DOWN * seconds, 0.0)]),

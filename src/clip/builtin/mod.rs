@@ -132,17 +132,8 @@ struct Made {
 }
 
 /// Families of generated clips, in the order they are listed.
-const FAMILIES: &[&[Generator]] = &[
-    walks::ALL,
-    run::ALL,
-    side::ALL,
-    loads::ALL,
-    acts::ALL,
-    lift::ALL,
-    sit::ALL,
-    dodge::ALL,
-    jump::ALL,
-];
+const FAMILIES: &[&[Generator]] =
+    &[walks::ALL, run::ALL, side::ALL, loads::ALL, acts::ALL, lift::ALL, sit::ALL, dodge::ALL, jump::ALL];
 
 /// All generated clips.
 pub fn names() -> impl Iterator<Item = &'static BuiltinInfo> {

@@ -49,19 +49,18 @@ impl Segments {
     /// Angular momentum about the lateral (+x) axis on the way from here to `to`, m²/s times the time between them: exact to
     /// the second order in it.
     pub(super) fn angular_step(&self, to: &Self) -> f64 {
-        let steps = self.parts.iter().zip(&to.parts).map(|((mass, gyration_sq, before, from), (_, _, after, to))| {
-            let swept = (0.5 * (*before + *after)).cross(*after - *before).x;
-            mass * (swept + gyration_sq * log(*to * from.inverse()).x)
-        });
+        let steps =
+            self.parts.iter().zip(&to.parts).map(|((mass, gyration_sq, before, from), (_, _, after, to))| {
+                let swept = (0.5 * (*before + *after)).cross(*after - *before).x;
+                mass * (swept + gyration_sq * log(*to * from.inverse()).x)
+            });
         steps.sum()
     }
 }
 
 fn gyration_sq(body: &Body, joint: usize) -> f64 {
     let trunk = TRUNK.iter().find(|(of, _)| *of == joint).map(|(_, radius)| *radius);
-    let limb = |first: usize, radii: [f64; 3]| {
-        joint.checked_sub(first).and_then(|k| radii.get(k).copied())
-    };
+    let limb = |first: usize, radii: [f64; 3]| joint.checked_sub(first).and_then(|k| radii.get(k).copied());
     let arms = ARMS.iter().find_map(|collar| limb(collar + 1, ARM));
     let legs = LEGS.iter().find_map(|hip| limb(*hip, LEG));
     let radius = trunk.or(arms).or(legs).unwrap_or(0.0);

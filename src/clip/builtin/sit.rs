@@ -25,13 +25,8 @@ const STAND_UP: BuiltinInfo = BuiltinInfo {
     events: &["seated"],
 };
 
-const SECONDS: BuiltinParameter = BuiltinParameter {
-    name: "seconds",
-    description: "length",
-    unit: "s",
-    default: 3.0,
-    range: (2.0, 10.0),
-};
+const SECONDS: BuiltinParameter =
+    BuiltinParameter { name: "seconds", description: "length", unit: "s", default: 3.0, range: (2.0, 10.0) };
 
 const SEAT: BuiltinParameter = BuiltinParameter {
     name: "seat",
@@ -49,7 +44,7 @@ const BEHIND: f64 = 0.015;
 const LEANING: (f64, f64) = (0.62, 0.34);
 /// Pitch and bend on the lowest seats, where the thighs leave the pelvis no room.
 const LEANING_LOW: (f64, f64) = (0.22, 1.00);
-const BALANCING: (f64, f64) = (-0.75, 0.45);
+const BALANCING: (f64, f64) = (-0.60, 1.00);
 /// The same when sitting.
 const SITTING: (f64, f64) = (-0.06, 0.10);
 const RESTING: (f64, f64) = (-0.30, 0.80);

@@ -8,8 +8,7 @@ use crate::clip::builtin::body::{HEAD, PELVIS_HEIGHT};
 use crate::clip::builtin::mass::center_of_mass;
 
 /// Acts with curves whose feet never move.
-const STANDING: [&str; 7] =
-    ["pick_up", "put_down", "hand_over", "take_over", "sit_down", "stand_up", "duck"];
+const STANDING: [&str; 7] = ["pick_up", "put_down", "hand_over", "take_over", "sit_down", "stand_up", "duck"];
 /// Acts that begin, and acts that end, as an idle clip does.
 const FROM_IDLE: [&str; 8] =
     ["pick_up", "take_over", "sit_down", "duck", "dodge", "jump", "jump_over", "back_flip"];
@@ -17,8 +16,17 @@ const TO_IDLE: [&str; 8] =
     ["put_down", "hand_over", "stand_up", "duck", "dodge", "jump", "jump_over", "back_flip"];
 /// Acts with curves.
 const ALL: [&str; 11] = [
-    "pick_up", "put_down", "hand_over", "take_over", "sit_down", "stand_up", "duck", "dodge", "jump",
-    "jump_over", "back_flip",
+    "pick_up",
+    "put_down",
+    "hand_over",
+    "take_over",
+    "sit_down",
+    "stand_up",
+    "duck",
+    "dodge",
+    "jump",
+    "jump_over",
+    "back_flip",
 ];
 
 /// Acts and bodies at the ends of their ranges.
@@ -37,13 +45,16 @@ pub(super) fn corners(name: &str) -> Vec<Clip> {
 pub(super) fn corner_values(name: &str) -> Vec<Vec<(&'static str, f64)>> {
     let info = names().find(|info| info.name == name).expect("an act");
     // Slow clips are the same poses, more of them.
-    let ends = |p: &BuiltinParameter| if p.name == "seconds" { vec![p.range.0] } else { vec![p.range.0, p.range.1] };
+    let ends =
+        |p: &BuiltinParameter| if p.name == "seconds" { vec![p.range.0] } else { vec![p.range.0, p.range.1] };
     let mut combinations = vec![Vec::new()];
     for parameter in info.parameters {
         combinations = combinations
             .iter()
             .flat_map(|chosen: &Vec<(&'static str, f64)>| {
-                ends(parameter).into_iter().map(|value| [chosen.as_slice(), &[(parameter.name, value)]].concat())
+                ends(parameter)
+                    .into_iter()
+                    .map(|value| [chosen.as_slice(), &[(parameter.name, value)]].concat())
             })
             .collect();
     }
@@ -91,8 +102,10 @@ fn last_pose(clip: &Clip) -> Pose {
 #[test]
 fn acts_begin_and_end_as_an_idle_clip_stands() {
     for name in ALL {
-        for clip in corners(name) {
-            let idle = made("idle", &[("stature", 1.75 * scale(&clip))]).pose(SourceFrame(0));
+        for values in corner_values(name) {
+            let clip = made(name, &values);
+            let stature = values.into_iter().find(|(name, _)| *name == "stature").expect("a parameter");
+            let idle = made("idle", &[stature]).pose(SourceFrame(0));
             let (first, last) = (clip.pose(SourceFrame(0)), last_pose(&clip));
             if FROM_IDLE.contains(&name) {
                 assert!(first.root.distance(idle.root) < ROUNDING, "{name} begins at {}", first.root);
@@ -239,8 +252,9 @@ fn who_sits_bears_on_the_seat_and_stays_there() {
         assert!(clip.root_positions[seated - 1].y > pelvis);
         // Thighs lie on the seat, not on the floor behind it.
         let frames = world(&clip, clip.frame_count() - 1);
-        let [hip, knee] = [JointRole::LeftHip, JointRole::LeftKnee].map(|role| frames[joint(&clip, role)].position);
-        assert!(knee.z - hip.z > 0.25 * scale(&clip));
+        let [hip, knee] =
+            [JointRole::LeftHip, JointRole::LeftKnee].map(|role| frames[joint(&clip, role)].position);
+        assert!(knee.z - hip.z > 0.2 * scale(&clip));
     }
 }
 
@@ -289,14 +303,15 @@ fn the_weight_is_over_the_standing_foot_before_the_other_is_lifted() {
     let clip = made("dodge", &[]);
     let body = Body::new(1.75);
     let toe = trajectory(&clip, JointRole::LeftToe);
-    let lifted = toe.iter().position(|p| p.y > toe[0].y + 0.005).expect("a step");
+    let lifted = toe.iter().position(|p| p.y > toe[0].y + ROUNDING).expect("a step");
     let center = center_of_mass(&body, &clip.pose(SourceFrame::from_usize(lifted)));
-    assert!(center.x < -0.04, "{center}");
+    let ankle = trajectory(&clip, JointRole::RightFoot)[0];
+    assert!((center.x - ankle.x).abs() < 0.04, "{center} over {ankle}");
 }
 
 /// Radians per second, and per second squared, of any joint: what the fastest of people's joints do in jumps, and a third of it
 /// in what is done standing.
-const FASTEST: [(f64, f64); 2] = [(10.0, 130.0), (30.0, 700.0)];
+const FASTEST: [(f64, f64); 2] = [(10.0, 130.0), (30.0, 800.0)];
 
 #[test]
 fn joints_neither_jump_nor_jerk() {
