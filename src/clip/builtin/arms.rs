@@ -62,8 +62,8 @@ fn target(body: &Body, pose: &Pose, side: Side, reach: Reach) -> ArmTarget {
 /// Distance that an arm of `length` spans for a target at `distance`: the same below that share of the arm, then less and less more, so
 /// that an arm on its way to a target that is still too far does not snap straight.
 fn soft_reach(distance: f64, length: f64) -> f64 {
-    const EXACT: f64 = 0.92;
-    const SLACK: f64 = 0.07;
+    const EXACT: f64 = 0.94;
+    const SLACK: f64 = 0.05;
     let share = distance / length;
     if share <= EXACT {
         return distance;

@@ -68,9 +68,9 @@ const BOX_HEIGHT: BuiltinParameter = BuiltinParameter {
 };
 
 /// Palms on a box that is held before the waist, and their fingers below the horizon in radians: up and ahead.
-pub(super) const HELD: (f64, f64, f64) = (0.99, 0.336, 0.682);
+pub(super) const HELD: (f64, f64, f64) = (1.02, 0.32, 0.45);
 /// On a box on the floor: ahead, fingers; and the lowest palm that leaves the fingers room.
-const ON_FLOOR: (f64, f64) = (0.37, 1.05);
+const ON_FLOOR: (f64, f64) = (0.37, 1.00);
 const LOWEST_PALM: f64 = 0.10;
 /// On a box held out to a partner.
 const OFFERED: (f64, f64) = (1.18, 0.15);
@@ -79,10 +79,13 @@ const STRETCHED: f64 = 0.87;
 /// Space between palms and box before they close on it, metres.
 const OPENING: f64 = 0.07;
 
-/// When the knees are bent most, the hands close, the box is at the waist, as shares of a pick-up.
+/// When the knees are bent most, the hands close, the box is at the waist, the back is upright, as shares of a pick-up.
 const BENT: f64 = 0.42;
 const GRASP: f64 = 0.46;
-const LIFTED: f64 = 0.92;
+const LIFTED: f64 = 0.88;
+const UPRIGHT: f64 = 0.97;
+/// When the hands have turned to how they carry it.
+const TURNED: f64 = 0.72;
 
 fn pick_up(body: &Body, values: &Values) -> Made {
     let last_frame = frame_at(values["seconds"]);
@@ -91,7 +94,7 @@ fn pick_up(body: &Body, values: &Values) -> Made {
     let grasp = grasp_frame as f64 / FPS;
     let palm = (values["height"] / 2.0).max(LOWEST_PALM * body.scale);
     let depth = depth_for(body, values["width"], palm);
-    let times = [0.0, BENT * seconds, grasp + 0.02 * seconds, LIFTED * seconds];
+    let times = [0.0, BENT * seconds, grasp + 0.04 * seconds, UPRIGHT * seconds];
     let mut act = Performance::standing(body);
     crouch::down_and_up(&mut act, depth, times);
     act.trunk.gaze = Curve::through(&[
@@ -111,7 +114,7 @@ fn pick_up(body: &Body, values: &Values) -> Made {
                 Curve::through(&[(grasp, palm), (LIFTED * seconds, scaled(HELD.0))]),
                 Curve::through(&[(grasp, scaled(ON_FLOOR.0)), (LIFTED * seconds, scaled(HELD.1))]),
             ],
-            fingers: Curve::through(&[(grasp, ON_FLOOR.1), (LIFTED * seconds, HELD.2)]),
+            fingers: Curve::through(&[(grasp, ON_FLOOR.1), (TURNED * seconds, HELD.2)]),
         });
     }
     act.made(last_frame, vec![grasp_frame])

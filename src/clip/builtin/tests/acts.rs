@@ -1,5 +1,7 @@
 //! What clips of acts on the spot promise.
 
+use std::sync::LazyLock;
+
 use glam::DVec3;
 use proptest::prelude::*;
 
@@ -33,15 +35,22 @@ const ALL: [&str; 11] = [
 pub(super) fn variants() -> Vec<Clip> {
     let mut clips: Vec<Clip> =
         [1.2, 2.2].map(|stature| made("slap", &[("stature", stature), ("seconds", 2.4)])).into();
-    clips.extend(ALL.into_iter().flat_map(corners));
+    clips.extend(ALL.into_iter().flat_map(corners).cloned());
     clips
 }
 
+/// Clips of all acts at all combinations of smallest and largest values; made once, as many tests look at them.
+static CORNERS: LazyLock<BTreeMap<&str, Vec<Clip>>> = LazyLock::new(|| {
+    let clips = |name: &str| corner_values(name).iter().map(|values| made(name, values)).collect();
+    ALL.into_iter().map(|name| (name, clips(name))).collect()
+});
+
 /// One clip for every combination of smallest and largest values.
-pub(super) fn corners(name: &str) -> Vec<Clip> {
-    corner_values(name).iter().map(|values| made(name, values)).collect()
+pub(super) fn corners(name: &str) -> &'static [Clip] {
+    &CORNERS[name]
 }
 
+/// The combinations, in the order of [`corners`].
 pub(super) fn corner_values(name: &str) -> Vec<Vec<(&'static str, f64)>> {
     let info = names().find(|info| info.name == name).expect("an act");
     // Slow clips are the same poses, more of them.
@@ -102,11 +111,10 @@ fn last_pose(clip: &Clip) -> Pose {
 #[test]
 fn acts_begin_and_end_as_an_idle_clip_stands() {
     for name in ALL {
-        for values in corner_values(name) {
-            let clip = made(name, &values);
+        for (clip, values) in corners(name).iter().zip(corner_values(name)) {
             let stature = values.into_iter().find(|(name, _)| *name == "stature").expect("a parameter");
             let idle = made("idle", &[stature]).pose(SourceFrame(0));
-            let (first, last) = (clip.pose(SourceFrame(0)), last_pose(&clip));
+            let (first, last) = (clip.pose(SourceFrame(0)), last_pose(clip));
             if FROM_IDLE.contains(&name) {
                 assert!(first.root.distance(idle.root) < ROUNDING, "{name} begins at {}", first.root);
                 assert!(turn_between(&first.rotations, &idle.rotations) < 1e-6, "{name} begins");
@@ -140,7 +148,7 @@ fn acts_begin_and_end_at_rest() {
 fn feet_of_standing_acts_stay_where_they_are() {
     for clip in STANDING.into_iter().flat_map(corners) {
         for role in [JointRole::LeftFoot, JointRole::RightFoot, JointRole::LeftToe, JointRole::RightToe] {
-            let path = trajectory(&clip, role);
+            let path = trajectory(clip, role);
             let drift = path.iter().map(|p| p.distance(path[0])).fold(0.0, f64::max);
             assert!(drift < ROUNDING, "{role:?} of {} moves by {drift}", clip.name);
         }
@@ -153,13 +161,13 @@ fn the_centre_of_mass_stays_over_the_feet() {
     const HALF_FOOT: f64 = 0.04;
     const HEEL: f64 = 0.05;
     for clip in STANDING.into_iter().flat_map(corners) {
-        let body = Body::new(1.75 * scale(&clip));
-        for frame in bearing_frames(&clip) {
+        let body = Body::new(1.75 * scale(clip));
+        for frame in bearing_frames(clip) {
             let pose = clip.pose(SourceFrame::from_usize(frame));
-            let frames = world(&clip, frame);
+            let frames = world(clip, frame);
             let center = center_of_mass(&body, &pose);
-            let ankle = frames[joint(&clip, JointRole::LeftFoot)].position;
-            let tip = end_site(&clip, &frames, joint(&clip, JointRole::LeftToe)).expect("toes end");
+            let ankle = frames[joint(clip, JointRole::LeftFoot)].position;
+            let tip = end_site(clip, &frames, joint(clip, JointRole::LeftToe)).expect("toes end");
             let support = ankle.z - HEEL * body.scale..tip.z;
             assert!(support.contains(&center.z), "{} {frame}: {} of {support:?}", clip.name, center.z);
             assert!(center.x.abs() < ankle.x + HALF_FOOT * body.scale);
@@ -196,20 +204,19 @@ fn palms_are_on_the_sides_of_the_box_while_it_is_held() {
         ("hand_over", "release", false),
         ("take_over", "grasp", true),
     ] {
-        for values in corner_values(name) {
-            let clip = made(name, &values);
+        for (clip, values) in corners(name).iter().zip(corner_values(name)) {
             let values: BTreeMap<&str, f64> = values.into_iter().collect();
             let event = clip.events[event].as_usize();
             let held = if holds_after { event..clip.frame_count() } else { 0..event + 1 };
             for frame in held {
-                let [left, right] = palms(&clip, frame);
+                let [left, right] = palms(clip, frame);
                 assert!((left.x - values["width"] / 2.0).abs() < ON_IT, "{name} {frame}: {left}");
                 assert!((left - right - DVec3::X * values["width"]).length() < ON_IT);
             }
             if let Some(height) = values.get("height") {
-                let grip = (height / 2.0_f64).max(0.1 * scale(&clip));
-                let expected = DVec3::new(values["width"] / 2.0, grip, 0.37 * scale(&clip));
-                assert!(palms(&clip, event)[0].distance(expected) < ON_IT, "{name}");
+                let grip = (height / 2.0_f64).max(0.1 * scale(clip));
+                let expected = DVec3::new(values["width"] / 2.0, grip, 0.37 * scale(clip));
+                assert!(palms(clip, event)[0].distance(expected) < ON_IT, "{name}");
             }
         }
     }
@@ -239,10 +246,9 @@ fn arms_of_who_hands_over_are_almost_stretched_at_the_same_height_as_the_takers(
 
 #[test]
 fn who_sits_bears_on_the_seat_and_stays_there() {
-    for values in corner_values("sit_down") {
-        let clip = made("sit_down", &values);
+    for (clip, values) in corners("sit_down").iter().zip(corner_values("sit_down")) {
         let values: BTreeMap<&str, f64> = values.into_iter().collect();
-        let pelvis = values["seat"] + 0.13 * scale(&clip);
+        let pelvis = values["seat"] + 0.13 * scale(clip);
         let seated = clip.events["seated"].as_usize();
         for frame in seated..clip.frame_count() {
             let root = clip.root_positions[frame];
@@ -251,10 +257,10 @@ fn who_sits_bears_on_the_seat_and_stays_there() {
         }
         assert!(clip.root_positions[seated - 1].y > pelvis);
         // Thighs lie on the seat, not on the floor behind it.
-        let frames = world(&clip, clip.frame_count() - 1);
+        let frames = world(clip, clip.frame_count() - 1);
         let [hip, knee] =
-            [JointRole::LeftHip, JointRole::LeftKnee].map(|role| frames[joint(&clip, role)].position);
-        assert!(knee.z - hip.z > 0.2 * scale(&clip));
+            [JointRole::LeftHip, JointRole::LeftKnee].map(|role| frames[joint(clip, role)].position);
+        assert!(knee.z - hip.z > 0.2 * scale(clip));
     }
 }
 
@@ -268,10 +274,9 @@ fn standing_up_is_sitting_down_backwards() {
 
 #[test]
 fn a_duck_lowers_the_head_as_far_as_asked() {
-    for values in corner_values("duck") {
-        let clip = made("duck", &values);
+    for (clip, values) in corners("duck").iter().zip(corner_values("duck")) {
         let depth = values.iter().find(|(name, _)| *name == "depth").expect("a parameter").1;
-        let top = |frame: usize| end_site(&clip, &world(&clip, frame), HEAD).expect("the head ends").y;
+        let top = |frame: usize| end_site(clip, &world(clip, frame), HEAD).expect("the head ends").y;
         let lowest = (0..clip.frame_count()).map(top).fold(f64::INFINITY, f64::min);
         assert!((top(0) - lowest - depth).abs() < 1e-6, "{depth}: {}", top(0) - lowest);
     }
@@ -279,19 +284,18 @@ fn a_duck_lowers_the_head_as_far_as_asked() {
 
 #[test]
 fn a_dodge_gets_the_head_out_of_the_way_and_one_foot_never_moves() {
-    for values in corner_values("dodge") {
-        let clip = made("dodge", &values);
+    for (clip, values) in corners("dodge").iter().zip(corner_values("dodge")) {
         let values: BTreeMap<&str, f64> = values.into_iter().collect();
         let sign = if values["left"] > 0.5 { 1.0 } else { -1.0 };
         let standing = if sign > 0.0 { JointRole::RightFoot } else { JointRole::LeftFoot };
         let stepping = if sign > 0.0 { JointRole::LeftToe } else { JointRole::RightToe };
-        let path = trajectory(&clip, standing);
+        let path = trajectory(clip, standing);
         assert!(path.iter().all(|p| p.distance(path[0]) < ROUNDING));
-        let toe = trajectory(&clip, stepping);
+        let toe = trajectory(clip, stepping);
         let middle = clip.frame_count() / 2;
         let stepped = sign * (toe[middle].x - toe[0].x);
         assert!((stepped - values["distance"]).abs() < ROUNDING);
-        let head = trajectory(&clip, JointRole::Head);
+        let head = trajectory(clip, JointRole::Head);
         assert!(sign * (head[middle].x - head[0].x) > 0.75 * values["distance"]);
         let on_ground = toe.windows(2).filter(|pair| pair.iter().all(|p| p.y < toe[0].y + ROUNDING));
         assert!(on_ground.map(|pair| pair[0].distance(pair[1])).all(|slide| slide < 1e-3 / FPS));

@@ -28,7 +28,7 @@ fn flights_are_ballistic() {
     /// Metres.
     const ON_PARABOLA: f64 = 1e-9;
     for clip in JUMPS.into_iter().flat_map(corners) {
-        let (centers, (takeoff, landing)) = (centers(&clip), flight(&clip));
+        let (centers, (takeoff, landing)) = (centers(clip), flight(clip));
         assert!(landing - takeoff >= 8, "{} of {} frames", clip.name, landing - takeoff);
         for k in takeoff + 1..landing {
             let second = centers[k - 1] - 2.0 * centers[k] + centers[k + 1];
@@ -44,7 +44,7 @@ fn the_centre_of_mass_leaves_and_lands_without_a_jump_in_speed() {
     /// Most have half of it.
     const HARDEST: f64 = 52.0;
     for clip in JUMPS.into_iter().flat_map(corners) {
-        let centers = centers(&clip);
+        let centers = centers(clip);
         for k in 1..centers.len() - 1 {
             let acceleration = (centers[k - 1] - 2.0 * centers[k] + centers[k + 1]) * (FPS * FPS);
             assert!(acceleration.length() < HARDEST, "{} {k}: {acceleration}", clip.name);
@@ -55,9 +55,9 @@ fn the_centre_of_mass_leaves_and_lands_without_a_jump_in_speed() {
 #[test]
 fn feet_stand_until_the_takeoff_and_from_the_landing_on() {
     for clip in JUMPS.into_iter().flat_map(corners) {
-        let (takeoff, landing) = flight(&clip);
+        let (takeoff, landing) = flight(clip);
         for role in [JointRole::LeftToe, JointRole::RightToe] {
-            let toe = trajectory(&clip, role);
+            let toe = trajectory(clip, role);
             let last = toe[clip.frame_count() - 1];
             assert!(toe[..=takeoff].iter().all(|p| p.distance(toe[0]) < ROUNDING), "{}", clip.name);
             assert!(toe[landing..].iter().all(|p| p.distance(last) < ROUNDING), "{}", clip.name);
@@ -65,7 +65,7 @@ fn feet_stand_until_the_takeoff_and_from_the_landing_on() {
             assert!(toe[takeoff + 1..landing].iter().all(|p| p.y > toe[0].y), "{} grazes", clip.name);
         }
         for role in [JointRole::LeftFoot, JointRole::RightFoot] {
-            let ankle = trajectory(&clip, role);
+            let ankle = trajectory(clip, role);
             let last = ankle[clip.frame_count() - 1];
             assert!(ankle[landing..].iter().all(|p| p.distance(last) < ROUNDING));
         }
@@ -74,12 +74,11 @@ fn feet_stand_until_the_takeoff_and_from_the_landing_on() {
 
 #[test]
 fn a_jump_is_as_far_as_asked_and_about_as_high() {
-    for values in corner_values("jump") {
-        let clip = made("jump", &values);
+    for (clip, values) in corners("jump").iter().zip(corner_values("jump")) {
         let values: BTreeMap<&str, f64> = values.into_iter().collect();
-        let toe = trajectory(&clip, JointRole::LeftToe);
+        let toe = trajectory(clip, JointRole::LeftToe);
         assert!((toe[clip.frame_count() - 1].z - toe[0].z - values["distance"]).abs() < ROUNDING);
-        let (centers, (takeoff, _)) = (centers(&clip), flight(&clip));
+        let (centers, (takeoff, _)) = (centers(clip), flight(clip));
         let up = (centers[takeoff + 1].y - centers[takeoff].y) * FPS - 0.5 * GRAVITY / FPS;
         let rise = up * up / (-2.0 * GRAVITY);
         // Half a frame more or less in the air.
@@ -90,22 +89,21 @@ fn a_jump_is_as_far_as_asked_and_about_as_high() {
 
 #[test]
 fn soles_clear_the_obstacle_that_is_jumped_over() {
-    for values in corner_values("jump_over") {
-        let clip = made("jump_over", &values);
+    for (clip, values) in corners("jump_over").iter().zip(corner_values("jump_over")) {
         let height = values.iter().find(|(name, _)| *name == "height").expect("a parameter").1;
-        let toe = trajectory(&clip, JointRole::LeftToe);
+        let toe = trajectory(clip, JointRole::LeftToe);
         let distance = toe[clip.frame_count() - 1].z - toe[0].z;
-        let obstacle = 0.5 * distance + 0.07 * scale(&clip);
-        let (takeoff, landing) = flight(&clip);
+        let obstacle = 0.5 * distance + 0.07 * scale(clip);
+        let (takeoff, landing) = flight(clip);
         for frame in takeoff..=landing {
-            let soles = soles(&clip, frame);
+            let soles = soles(clip, frame);
             let over = soles.iter().any(|p| p.z < obstacle) && soles.iter().any(|p| p.z > obstacle);
             let lowest = soles.iter().map(|p| p.y).fold(f64::INFINITY, f64::min);
             assert!(!over || lowest > height, "{frame}: {lowest} over {height}");
         }
         // And not by being far below what it is to be over.
-        assert!(soles(&clip, takeoff).iter().all(|p| p.z < obstacle));
-        assert!(soles(&clip, landing).iter().all(|p| p.z > obstacle));
+        assert!(soles(clip, takeoff).iter().all(|p| p.z < obstacle));
+        assert!(soles(clip, landing).iter().all(|p| p.z > obstacle));
     }
 }
 
@@ -125,7 +123,7 @@ fn soles(clip: &Clip, frame: usize) -> [DVec3; 2] {
 #[test]
 fn a_back_flip_turns_over_once() {
     for clip in corners("back_flip") {
-        let (takeoff, landing) = flight(&clip);
+        let (takeoff, landing) = flight(clip);
         let pelvis = |frame: usize| clip.pose(SourceFrame::from_usize(frame)).rotations[0];
         let turns = (takeoff..landing).map(|k| log(pelvis(k + 1) * pelvis(k).inverse()));
         let turned: DVec3 = turns.sum();
@@ -140,8 +138,8 @@ fn flights_keep_their_angular_momentum() {
     /// Of the momentum's largest share, between frames: what is left by central differences of turns of half a radian a frame.
     const BETWEEN_FRAMES: f64 = 0.04;
     for clip in corners("back_flip") {
-        let body = Body::new(1.75 * scale(&clip));
-        let (takeoff, landing) = flight(&clip);
+        let body = Body::new(1.75 * scale(clip));
+        let (takeoff, landing) = flight(clip);
         let parts = |frame: usize| Segments::of(&body, &clip.pose(SourceFrame::from_usize(frame)));
         let momenta: Vec<f64> =
             (takeoff..landing).map(|k| parts(k).angular_step(&parts(k + 1)) * FPS).collect();
