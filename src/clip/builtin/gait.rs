@@ -38,6 +38,8 @@ pub(super) const SETTING_OFF: f64 = 1.3;
 pub(super) const HALTING: f64 = 1.0;
 /// Share of a straight leg that the most stretched leg of the cycle has.
 const LONGEST_LEG: f64 = 0.997;
+/// The same while setting off and halting.
+const LONGEST_LEG_BETWEEN: f64 = 0.999;
 
 /// A way to walk.
 #[derive(Clone, Debug)]
@@ -49,11 +51,13 @@ pub(super) struct Gait {
     pub(super) period: f64,
     /// Pelvis above the ground on average, metres.
     height: f64,
+    /// How much lower it is half way between standing and walking, metres.
+    dip: f64,
     /// Where it goes.
     course: Course,
     bearing: Bearing,
     /// Where the walk begins and ends, if it does.
-    pub(super) ends: Ends,
+    ends: Ends,
 }
 
 /// How the upper body is borne, beside what walking does with it.
@@ -98,11 +102,14 @@ impl Gait {
     /// Source: Sekiya et al., *J. Human Movement Studies* 30 (1996), 241–257 (walk ratio 0.0065 m per step/min).
     pub(super) fn new(body: Body, speed: f64, course: Course, bearing: Bearing) -> Self {
         const WALK_RATIO: f64 = 0.39;
-        let step = (speed * WALK_RATIO * body.scale).sqrt();
+        /// Metres at 1.75 m; where small bodies are fast, only their cadence rises.
+        const LONGEST_STEP: f64 = 0.80;
+        let step = (speed * WALK_RATIO * body.scale).sqrt().min(LONGEST_STEP * body.scale);
         let half_period = (step / speed * FPS).round() / FPS;
         let height = PELVIS_HEIGHT * body.scale;
         let ends = Ends::default();
-        let mut gait = Self { height, period: 2.0 * half_period, body, speed, course, bearing, ends };
+        let mut gait =
+            Self { height, dip: 0.0, period: 2.0 * half_period, body, speed, course, bearing, ends };
         gait.height = gait.highest_reachable();
         gait
     }
@@ -192,16 +199,44 @@ impl Gait {
         let (mut low, mut high) = (0.6 * self.height, self.height);
         for _ in 0..40 {
             trial.height = 0.5 * (low + high);
-            let longest = (0..60)
-                .map(|k| trial.pose_on_course(self.period * f64::from(k) / 60.0, 1.0).1)
-                .fold(0.0, f64::max);
-            if longest < LONGEST_LEG {
+            if trial.longest_leg(0.0, 1.0) < LONGEST_LEG {
                 low = trial.height;
             } else {
                 high = trial.height;
             }
         }
         low
+    }
+
+    /// Makes the walk begin and end so, its pelvis just low enough meanwhile for both legs to reach.
+    pub(super) fn end_at(&mut self, ends: Ends) {
+        self.ends = ends;
+        let mut trial = self.clone();
+        let mut reaches = |dip: f64| {
+            trial.dip = dip;
+            let setting_off = trial.longest_leg(-0.5 * SETTING_OFF, SETTING_OFF);
+            let halting = ends.stop.map_or(0.0, |stop| trial.longest_leg(stop, HALTING));
+            setting_off.max(halting) < LONGEST_LEG_BETWEEN
+        };
+        if reaches(0.0) {
+            return;
+        }
+        let (mut low, mut high) = (0.0, 0.2 * self.height);
+        for _ in 0..40 {
+            let middle = 0.5 * (low + high);
+            if reaches(middle) {
+                high = middle;
+            } else {
+                low = middle;
+            }
+        }
+        self.dip = high;
+    }
+
+    /// How far the more stretched leg is stretched in some cycles at most.
+    fn longest_leg(&self, first: f64, cycles: f64) -> f64 {
+        let instants = (0..60).map(|k| self.period * (first + cycles * f64::from(k) / 60.0));
+        instants.map(|time| self.pose_on_course(time, 1.0).1).fold(0.0, f64::max)
     }
 
     /// Pose on the course straightened where the body is, with a share of its bearing, and how far its more stretched leg is
@@ -212,12 +247,15 @@ impl Gait {
         let angle = TAU * time / self.period;
         let wave = |phase: f64| (angle - TAU * phase).cos();
         let bob = (2.0 * (angle - TAU * MID_STANCE)).cos();
-        let stand = stand::pelvis_height(&self.body);
         let (place, borne) = (self.place(time), self.bearing);
+        // Who stands with the pelvis ahead of the feet has it lower, or the legs were too short.
+        let lower = 0.8 * borne.ahead * borne.ahead * bearing * self.body.scale;
+        let stand = stand::pelvis_height(&self.body) - lower;
         let list = -share * self.list();
         let pelvis = DVec3::new(
             0.018 * self.body.scale * share * wave(MID_STANCE) - self.height * list.tan(),
-            stand + share * (self.height - stand) + 0.016 * self.body.scale * pace * bob,
+            stand + share * (self.height - stand) - 4.0 * self.dip * share * (1.0 - share)
+                + 0.016 * self.body.scale * pace * bob,
             self.travel(time) + borne.ahead * bearing * self.body.scale,
         );
         let trunk = Trunk {

@@ -106,7 +106,8 @@ impl Running {
         const SHORTEST_FLIGHT: f64 = 0.105;
         let pendulum = body.scale.sqrt();
         let relative = speed / pendulum;
-        let step = (pendulum * (0.400 - 0.0145 * relative) * FPS).round() / FPS;
+        let sprint = (relative - 4.5).max(0.0);
+        let step = (pendulum * (0.400 - 0.0145 * relative - 0.03 * sprint) * FPS).round() / FPS;
         let stance = (pendulum * (0.52 / relative + 0.078)).min(step - SHORTEST_FLIGHT);
         let height = 1.05 * body.scale;
         let mut running = Self { body, speed, turn, step, stance, height, starts: Vec::new() };
@@ -274,13 +275,13 @@ impl Running {
             key(0.89, 0.285 + 0.07 * fast, 0.125 + 0.05 * fast),
             (1.0, ends[1][0]),
         ];
-        let pitch = |u: f64, pitch: f64| (u, DVec3::new(0.0, pitch, 0.0));
+        let turned = |u: f64, pitch: f64, toe: f64| (u, DVec3::new(0.0, pitch, toe));
         let attitudes = [
             (0.0, ends[0][1]),
-            pitch(0.24, 1.55 + 0.10 * fast),
-            pitch(0.40, 1.50 + 0.15 * fast),
-            pitch(0.55, 0.85 + 0.15 * fast),
-            pitch(0.78, 0.08),
+            turned(0.24, 1.55 + 0.10 * fast, -0.45),
+            turned(0.40, 1.50 + 0.15 * fast, -0.15),
+            turned(0.55, 0.85 + 0.15 * fast, 0.0),
+            turned(0.78, 0.08, 0.0),
             (1.0, ends[1][1]),
         ];
         let slope = |k: usize| [slopes[0][k], slopes[1][k]];
