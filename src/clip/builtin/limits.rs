@@ -16,7 +16,7 @@ pub(super) struct Limit {
     pub(super) name: &'static str,
     range: (f64, f64),
     /// The angle, degrees, of one side; trunk and neck have the same on both.
-    pub(super) angle: fn(&Pose, Side) -> f64,
+    angle: fn(&Pose, Side) -> f64,
 }
 
 /// One row an angle; flexion, and motion to the outside, are positive.

@@ -108,7 +108,7 @@ fn carry(body: &Body, values: &Values) -> Made {
 }
 
 fn push(body: &Body, values: &Values) -> Made {
-    let bearing = Bearing { ahead: 0.13, tilt: 0.20, lean: 0.20, still: 0.9 };
+    let bearing = Bearing { ahead: 0.09, tilt: 0.20, lean: 0.20, still: 0.9 };
     made(body, values, bearing, against)
 }
 

@@ -201,18 +201,17 @@ impl<'a> Stepping<'a> {
 
     /// Smallest drop with which both legs reach their feet all the time, by bisection.
     fn smallest_drop(&self) -> f64 {
-        let longest = |drop: f64| {
+        let reaches = |drop: f64| {
             let trial = Self { drop, ..*self };
-            let instants = (0..60).map(|k| trial.stretched_pose(f64::from(k) / 60.0).1);
-            instants.fold(0.0, f64::max)
+            (0..60).all(|k| trial.stretched_pose(f64::from(k) / 60.0).1 < LONGEST_LEG)
         };
         let (mut low, mut high) = (0.0, 0.3 * self.body.scale);
-        for _ in 0..40 {
+        for _ in 0..30 {
             let middle = 0.5 * (low + high);
-            if longest(middle) > LONGEST_LEG {
-                low = middle;
-            } else {
+            if reaches(middle) {
                 high = middle;
+            } else {
+                low = middle;
             }
         }
         high

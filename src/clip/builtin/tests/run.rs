@@ -53,12 +53,12 @@ fn feet_leave_the_ground_and_meet_it_when_flights_begin_and_end() {
     for (speed, turn, stature) in ends() {
         let clip = made("run", &[("speed", speed), ("turn", turn), ("stature", stature)]);
         let running = Running::new(Body::new(stature), speed, turn.to_radians());
-        let contacts = contacts(&clip);
-        for frame in 0..clip.frame_count() {
+        let [lefts, rights] = contacts(&clip);
+        for (frame, feet) in lefts.into_iter().zip(rights).enumerate() {
             let since = (frame as f64 / FPS + ROUNDING).rem_euclid(2.0 * running.step);
             let left = since < running.stance;
             let right = (running.step..running.step + running.stance).contains(&since);
-            assert_eq!([left, right], [contacts[0][frame].any(), contacts[1][frame].any()], "{frame}");
+            assert_eq!((left, right), (feet.0.any(), feet.1.any()), "{frame}");
         }
     }
 }
