@@ -17,6 +17,8 @@ pub(super) const PELVIS_HEIGHT: f64 = 0.94;
 pub(super) const ANKLE_HEIGHT: f64 = 0.08;
 /// Toe joint from the ankle in a flat foot, metres.
 pub(super) const TOE_OFFSET: DVec3 = DVec3::new(0.0, -0.06, 0.13);
+/// Lowest point of the heel from the ankle in a flat foot, metres.
+pub(super) const HEEL_OFFSET: DVec3 = DVec3::new(0.0, -ANKLE_HEIGHT, -0.05);
 /// Thigh and shank, metres.
 pub(super) const THIGH: f64 = 0.42;
 pub(super) const SHANK: f64 = 0.40;

@@ -42,12 +42,12 @@ impl Course {
     }
 
     /// World position of a point in course coordinates.
-    pub(super) fn to_world(&self, point: DVec3) -> DVec3 {
+    pub(super) fn to_world(self, point: DVec3) -> DVec3 {
         self.place(point.z).to_world(point)
     }
 
     /// Course coordinates of a point that is given in the course straightened at `place`, less than half a circle away.
-    pub(super) fn from_straightened(&self, place: Place, point: DVec3) -> DVec3 {
+    pub(super) fn bend(&self, place: Place, point: DVec3) -> DVec3 {
         if place.straight {
             return point;
         }
@@ -116,7 +116,7 @@ mod tests {
                 pitch: 0.0,
                 toe: 0.0,
             });
-            assert!(course.from_straightened(place, straightened.ankle).distance(point) < 1e-12);
+            assert!(course.bend(place, straightened.ankle).distance(point) < 1e-12);
             assert!((straightened.turn - 0.4 * curvature).abs() < 1e-12);
         }
     }

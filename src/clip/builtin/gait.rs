@@ -4,13 +4,13 @@
 //! and loses its speed evenly, and everything else of the gait grows and fades with that speed.
 //!
 //! Phase 0 is a strike of the left foot, phase ½ one of the right. A foot strikes with its toes up and turns about the
-//! ankle until flat, stays flat, lifts its heel about the toe joint, which stays put, and swings.
+//! heel until flat, stays flat, lifts its heel about the toe joint, which stays put, and swings.
 
 use std::f64::consts::TAU;
 
-use glam::{DQuat, DVec3};
+use glam::DVec3;
 
-use super::body::{ANKLE_HEIGHT, Body, PELVIS_HEIGHT, Side, TOE_OFFSET, Trunk};
+use super::body::{ANKLE_HEIGHT, Body, HEEL_OFFSET, PELVIS_HEIGHT, Side, TOE_OFFSET, Trunk};
 use super::course::{Course, Place};
 use super::limbs::Foot;
 use super::mass::GRAVITY;
@@ -19,14 +19,14 @@ use crate::geometry::smoothstep;
 use crate::skeleton::Pose;
 
 /// Phases of one foot, in cycles from its strike: flat, heel lifting, toes lifting.
-pub(super) const FLAT: f64 = 0.08;
-pub(super) const HEEL_OFF: f64 = 0.38;
-pub(super) const TOE_OFF: f64 = 0.62;
-/// Pitch of the foot at its strike and when the toes lift, radians.
-const STRIKE_PITCH: f64 = -0.24;
-const TOE_OFF_PITCH: f64 = 0.92;
+pub(super) const FLAT: f64 = 0.10;
+pub(super) const HEEL_OFF: f64 = 0.36;
+pub(super) const TOE_OFF: f64 = 0.61;
+/// Pitch of the foot at its strike, less in slow walks, and when the toes lift, radians.
+const STRIKE_PITCH: f64 = -0.30;
+const TOE_OFF_PITCH: f64 = 1.05;
 /// Exponent of the heel's rise in time.
-const HEEL_RISE: f64 = 1.6;
+const HEEL_RISE: f64 = 1.5;
 /// Phase of the strongest support by the left leg: the pelvis is highest and farthest left.
 const MID_STANCE: f64 = 0.31;
 /// Ankles beside the line of walking, metres.
@@ -38,6 +38,8 @@ pub(super) const SETTING_OFF: f64 = 1.3;
 pub(super) const HALTING: f64 = 1.0;
 /// Share of a straight leg that the most stretched leg of the cycle has.
 const LONGEST_LEG: f64 = 0.997;
+/// The same while setting off and halting.
+const LONGEST_LEG_BETWEEN: f64 = 0.999;
 
 /// A way to walk.
 #[derive(Clone, Debug)]
@@ -49,11 +51,15 @@ pub(super) struct Gait {
     pub(super) period: f64,
     /// Pelvis above the ground on average, metres.
     height: f64,
+    /// How much lower it is half way between standing and walking, metres.
+    dip: f64,
+    /// Of a foot at its strike, radians.
+    strike_pitch: f64,
     /// Where it goes.
     course: Course,
     bearing: Bearing,
     /// Where the walk begins and ends, if it does.
-    pub(super) ends: Ends,
+    ends: Ends,
 }
 
 /// How the upper body is borne, beside what walking does with it.
@@ -98,11 +104,25 @@ impl Gait {
     /// Source: Sekiya et al., *J. Human Movement Studies* 30 (1996), 241–257 (walk ratio 0.0065 m per step/min).
     pub(super) fn new(body: Body, speed: f64, course: Course, bearing: Bearing) -> Self {
         const WALK_RATIO: f64 = 0.39;
-        let step = (speed * WALK_RATIO * body.scale).sqrt();
+        /// Metres at 1.75 m; where small bodies are fast, only their cadence rises.
+        const LONGEST_STEP: f64 = 0.80;
+        let step = (speed * WALK_RATIO * body.scale).sqrt().min(LONGEST_STEP * body.scale);
         let half_period = (step / speed * FPS).round() / FPS;
         let height = PELVIS_HEIGHT * body.scale;
+        let usual = speed / (1.2 * body.scale.sqrt());
+        let strike_pitch = STRIKE_PITCH * usual.clamp(0.5, 1.0);
         let ends = Ends::default();
-        let mut gait = Self { height, period: 2.0 * half_period, body, speed, course, bearing, ends };
+        let mut gait = Self {
+            height,
+            dip: 0.0,
+            period: 2.0 * half_period,
+            body,
+            speed,
+            strike_pitch,
+            course,
+            bearing,
+            ends,
+        };
         gait.height = gait.highest_reachable();
         gait
     }
@@ -183,25 +203,52 @@ impl Gait {
 
     /// Distance of a striking ankle ahead of the pelvis, metres.
     fn reach_ahead(&self) -> f64 {
-        0.235 * self.speed * self.period
+        0.225 * self.speed * self.period
     }
 
     /// Largest height of the pelvis at which both legs reach their feet all the time, by bisection.
     fn highest_reachable(&self) -> f64 {
         let mut trial = self.clone();
         let (mut low, mut high) = (0.6 * self.height, self.height);
-        for _ in 0..40 {
+        for _ in 0..30 {
             trial.height = 0.5 * (low + high);
-            let longest = (0..60)
-                .map(|k| trial.pose_on_course(self.period * f64::from(k) / 60.0, 1.0).1)
-                .fold(0.0, f64::max);
-            if longest < LONGEST_LEG {
+            if trial.reaches([0.0, 1.0], LONGEST_LEG) {
                 low = trial.height;
             } else {
                 high = trial.height;
             }
         }
         low
+    }
+
+    /// Makes the walk begin and end so, its pelvis just low enough meanwhile for both legs to reach.
+    pub(super) fn end_at(&mut self, ends: Ends) {
+        self.ends = ends;
+        let mut trial = self.clone();
+        let mut reaches = |dip: f64| {
+            trial.dip = dip;
+            let halting = ends.stop.is_none_or(|stop| trial.reaches([stop, HALTING], LONGEST_LEG_BETWEEN));
+            halting && trial.reaches([-0.5 * SETTING_OFF, SETTING_OFF], LONGEST_LEG_BETWEEN)
+        };
+        if reaches(0.0) {
+            return;
+        }
+        let (mut low, mut high) = (0.0, 0.2 * self.height);
+        for _ in 0..30 {
+            let middle = 0.5 * (low + high);
+            if reaches(middle) {
+                high = middle;
+            } else {
+                low = middle;
+            }
+        }
+        self.dip = high;
+    }
+
+    /// Whether no leg is stretched farther than `longest` from the first of some cycles on.
+    fn reaches(&self, [first, cycles]: [f64; 2], longest: f64) -> bool {
+        let mut instants = (0..60).map(|k| self.period * (first + cycles * f64::from(k) / 60.0));
+        instants.all(|time| self.pose_on_course(time, 1.0).1 < longest)
     }
 
     /// Pose on the course straightened where the body is, with a share of its bearing, and how far its more stretched leg is
@@ -212,12 +259,15 @@ impl Gait {
         let angle = TAU * time / self.period;
         let wave = |phase: f64| (angle - TAU * phase).cos();
         let bob = (2.0 * (angle - TAU * MID_STANCE)).cos();
-        let stand = stand::pelvis_height(&self.body);
         let (place, borne) = (self.place(time), self.bearing);
+        // Who stands with the pelvis ahead of the feet has it lower, or the legs were too short.
+        let lower = 0.8 * borne.ahead * borne.ahead * bearing * self.body.scale;
+        let stand = stand::pelvis_height(&self.body) - lower;
         let list = -share * self.list();
         let pelvis = DVec3::new(
             0.018 * self.body.scale * share * wave(MID_STANCE) - self.height * list.tan(),
-            stand + share * (self.height - stand) + 0.016 * self.body.scale * pace * bob,
+            stand + share * (self.height - stand) - 4.0 * self.dip * share * (1.0 - share)
+                + 0.016 * self.body.scale * pace * bob,
             self.travel(time) + borne.ahead * bearing * self.body.scale,
         );
         let trunk = Trunk {
@@ -253,18 +303,22 @@ impl Gait {
         if phase < HEEL_OFF {
             return self.landing(step, phase);
         }
-        let Plant { ankle, turn } = step.plant;
+        let turn = step.plant.turn;
         let rise = (phase - HEEL_OFF) / (TOE_OFF - HEEL_OFF);
         let pitch = TOE_OFF_PITCH * rise.powf(HEEL_RISE);
-        let ankle = self.about_toe(ankle, turn, pitch);
+        let ankle = self.about(TOE_OFFSET, step.plant, pitch);
         self.planted(step.plant, Foot { ankle, turn, pitch, toe: -pitch })
     }
 
-    /// A flat foot, but for its toes coming down after a strike.
+    /// A flat foot, but for its toes coming down about the heel after a strike.
     fn landing(&self, step: Step, phase: f64) -> Foot {
-        let Plant { ankle, turn } = step.plant;
-        let pitch =
-            if step.before == step.plant { 0.0 } else { STRIKE_PITCH * (1.0 - smoothstep(phase / FLAT)) };
+        let turn = step.plant.turn;
+        let pitch = if step.before == step.plant {
+            0.0
+        } else {
+            self.strike_pitch * (1.0 - smoothstep(phase / FLAT))
+        };
+        let ankle = self.about(HEEL_OFFSET, step.plant, pitch);
         self.planted(step.plant, Foot { ankle, turn, pitch, toe: 0.0 })
     }
 
@@ -274,30 +328,28 @@ impl Gait {
         Foot { ankle: place.to_world(foot.ankle), turn: place.heading + foot.turn, ..foot }
     }
 
-    /// Ankle of a foot planted at `plant` with its heel lifted by `pitch` about the toe joint.
-    fn about_toe(&self, plant: DVec3, turn: f64, pitch: f64) -> DVec3 {
-        let toe = TOE_OFFSET * self.body.scale;
-        let upright = DQuat::from_rotation_y(turn);
-        plant + upright * (toe - DQuat::from_rotation_x(pitch) * toe)
+    /// Ankle of a foot that has turned by `pitch` about a point of it since it was flat.
+    fn about(&self, point: DVec3, plant: Plant, pitch: f64) -> DVec3 {
+        self.body.pivoted(point, plant.ankle, [plant.turn, pitch])
     }
 
     /// In the air: from where the toes left the plant to the next one, without a jump in place or speed.
     fn swinging(&self, step: Step, phase: f64) -> Foot {
         /// Additional height of the ankle half way, metres.
-        const LIFT: f64 = 0.045;
+        const LIFT: f64 = 0.052;
         /// Share of the swing in which the toes straighten.
         const STRAIGHTENING: f64 = 0.7;
         /// Step of the difference quotient for the ankle's speed at the start, radians.
         const SMALL: f64 = 1e-6;
-        let Plant { ankle: plant, turn } = step.plant;
         let u = (phase - TOE_OFF) / (1.0 - TOE_OFF);
         // Rates are per swing.
         let pitch_rate = HEEL_RISE * TOE_OFF_PITCH * (1.0 - TOE_OFF) / (TOE_OFF - HEEL_OFF);
-        let place = self.course.place(plant.z);
-        let lifted = |pitch| self.course.from_straightened(place, self.about_toe(plant, turn, pitch));
+        let place = self.course.place(step.plant.ankle.z);
+        let lifted = |pitch| self.course.bend(place, self.about(TOE_OFFSET, step.plant, pitch));
         let from = lifted(TOE_OFF_PITCH);
         let rate = (from - lifted(TOE_OFF_PITCH - SMALL)) / SMALL * pitch_rate;
-        let to = step.next.ankle;
+        let next = self.course.place(step.next.ankle.z);
+        let to = self.course.bend(next, self.about(HEEL_OFFSET, step.next, self.strike_pitch));
         let bump = DVec3::Y * (LIFT * self.body.scale * 16.0 * (u * (1.0 - u)).powi(2));
         let ankle = DVec3::new(
             hermite([from.x, to.x], [rate.x, 0.0], u),
@@ -306,7 +358,7 @@ impl Gait {
         ) + bump;
         let turn_at = |plant: Plant| self.course.place(plant.ankle.z).heading + plant.turn;
         let turn = turn_at(step.plant) + (turn_at(step.next) - turn_at(step.plant)) * smoothstep(u);
-        let pitch = hermite([TOE_OFF_PITCH, STRIKE_PITCH], [pitch_rate, 0.0], u);
+        let pitch = hermite([TOE_OFF_PITCH, self.strike_pitch], [pitch_rate, 0.0], u);
         let straight = (u / STRAIGHTENING).min(1.0);
         let toe = hermite([-TOE_OFF_PITCH, 0.0], [-pitch_rate * STRAIGHTENING, 0.0], straight);
         Foot { ankle: self.course.to_world(ankle), turn, pitch, toe }

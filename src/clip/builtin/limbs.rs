@@ -88,6 +88,13 @@ impl Foot {
 }
 
 impl Body {
+    /// Ankle of a foot that stood flat at `ankle` and has turned by `pitch` about a point of it, which is given from the ankle,
+    /// metres at 1.75 m.
+    pub(super) fn pivoted(&self, point: DVec3, ankle: DVec3, [turn, pitch]: [f64; 2]) -> DVec3 {
+        let point = point * self.scale;
+        ankle + DQuat::from_rotation_y(turn) * (point - DQuat::from_rotation_x(pitch) * point)
+    }
+
     /// As [`Body::place_leg`], for a body that looks ahead (+z).
     pub(super) fn place_foot(&self, pose: &mut Pose, side: Side, foot: Foot) -> f64 {
         self.place_leg(pose, side, foot.target())

@@ -2,8 +2,8 @@
 
 use glam::DVec3;
 
-use super::body::{Body, Side};
-use super::gait::{Bearing, Gait, HALTING};
+use super::body::{Body, NECK, Side};
+use super::gait::{Bearing, Gait};
 use super::limbs::ArmTarget;
 use super::walks::{SPEED_HELP, Schedule, TURN, course, schedule, start, stop};
 use super::{BuiltinInfo, BuiltinParameter, FPS, Generator, Made, STATURE, Values, frame_at};
@@ -37,7 +37,7 @@ const CARRY: BuiltinInfo = BuiltinInfo {
             description: "of the box, from hand to hand",
             unit: "m",
             default: 0.4,
-            range: (0.2, 0.6),
+            range: (0.2, 0.5),
         },
         start(1.0),
         stop(1.0),
@@ -56,8 +56,8 @@ const PUSH: BuiltinInfo = BuiltinInfo {
             name: "speed",
             description: SPEED_HELP,
             unit: "m/s",
-            default: 0.7,
-            range: (0.5, 1.0),
+            default: 0.6,
+            range: (0.4, 0.8),
         },
         BuiltinParameter { range: (-20.0, 20.0), ..TURN },
         BuiltinParameter {
@@ -108,7 +108,7 @@ fn carry(body: &Body, values: &Values) -> Made {
 }
 
 fn push(body: &Body, values: &Values) -> Made {
-    let bearing = Bearing { ahead: 0.15, tilt: 0.20, lean: 0.20, still: 0.9 };
+    let bearing = Bearing { ahead: 0.09, tilt: 0.20, lean: 0.20, still: 0.9 };
     made(body, values, bearing, against)
 }
 
@@ -119,7 +119,7 @@ fn made(body: &Body, values: &Values, bearing: Bearing, hold: Hold) -> Made {
     let standing =
         [takes, gives].map(|hands| if hands { STANDING + REACHING + HOLDING } else { 2.0 * HOLDING });
     let schedule = schedule(&mut gait, values, standing);
-    let events = grasp_and_release(&schedule, &gait, takes, gives);
+    let events = grasp_and_release(&schedule, takes, gives);
     let poses = (0..=schedule.last_frame).map(|frame| {
         let time = schedule.instant(frame);
         let held = held(frame, events, takes, gives);
@@ -136,10 +136,10 @@ fn made(body: &Body, values: &Values, bearing: Bearing, hold: Hold) -> Made {
 }
 
 /// Frames at which the hands begin to hold, and let go.
-fn grasp_and_release(schedule: &Schedule, gait: &Gait, takes: bool, gives: bool) -> [usize; 2] {
+fn grasp_and_release(schedule: &Schedule, takes: bool, gives: bool) -> [usize; 2] {
     let grasp = if takes { frame_at(STANDING + REACHING) } else { 0 };
-    let release = match gait.ends.stop.filter(|_| gives) {
-        Some(stop) => schedule.frame(gait.period * (stop + HALTING) + HOLDING),
+    let release = match schedule.halted.filter(|_| gives) {
+        Some(halted) => schedule.frame(halted + HOLDING),
         None => schedule.last_frame,
     };
     [grasp, release]
@@ -160,12 +160,14 @@ fn held(frame: usize, [grasp, release]: [usize; 2], takes: bool, gives: bool) ->
 /// Palms on both sides of a box before the waist.
 fn beside_box(body: &Body, values: &Values, pose: &Pose, side: Side) -> ArmTarget {
     let outwards = DVec3::X * side.sign();
-    let wrist =
-        pose.root + DVec3::new(0.0, 0.11, 0.27) * body.scale + outwards * (0.5 * values["width"] + 0.02);
+    // Half way between pelvis and neck to the side, where a body leans into a curve.
+    let neck = body.skeleton.forward_kinematics(pose)[NECK].position;
+    let middle = pose.root.with_x(0.5 * (pose.root.x + neck.x));
+    let wrist = middle + DVec3::new(0.0, 0.13, 0.25) * body.scale + outwards * (0.5 * values["width"] + 0.02);
     ArmTarget {
         wrist,
         elbow: DVec3::new(0.6 * side.sign(), -0.4, -1.0),
-        fingers: DVec3::new(0.0, -0.25, 1.0),
+        fingers: DVec3::new(0.0, -0.65, 0.8),
         palm: -outwards,
     }
 }

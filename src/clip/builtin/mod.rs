@@ -1,4 +1,4 @@
-//! Clips that the program generates, so that scenes run without any file: `builtin:walk`, `builtin:idle`, `builtin:slap`.
+//! Clips that the program generates, so that scenes run without any file: `builtin:walk`, `builtin:slap`, …
 //!
 //! All have one human skeleton of 21 joints, +x left, +z ahead, y up, and 30 frames a second. No chance and no clock: the
 //! same parameters give the same clip.

@@ -4,7 +4,9 @@
 use glam::{DQuat, DVec3};
 
 use super::arms::{self, Reach};
-use super::body::{ANKLE_HEIGHT, Body, CHEST, HEAD, NECK, PELVIS, SPINE, Side, TOE_OFFSET, leg_joints};
+use super::body::{
+    ANKLE_HEIGHT, Body, CHEST, HEAD, HEEL_OFFSET, NECK, PELVIS, SPINE, Side, TOE_OFFSET, leg_joints,
+};
 use super::flight::Flight;
 use super::keyed::Curve;
 use super::limbs::{ArmAngles, Foot};
@@ -167,13 +169,12 @@ impl Performance {
 
     /// Heel and tip of both soles, metres.
     pub(super) fn soles(&self, time: f64) -> [[DVec3; 2]; 2] {
-        /// From the ankle and from the toe joint, metres at 1.75 m.
-        const HEEL: DVec3 = DVec3::new(0.0, -ANKLE_HEIGHT, -0.05);
+        /// From the toe joint, metres at 1.75 m.
         const TIP: DVec3 = DVec3::new(0.0, -ANKLE_HEIGHT - TOE_OFFSET.y, 0.07);
         let frames = self.body.skeleton.forward_kinematics(&self.pose(time));
         Side::BOTH.map(|side| {
             let [_, _, ankle, toe] = leg_joints(side);
-            [(ankle, HEEL), (toe, TIP)].map(|(joint, sole)| {
+            [(ankle, HEEL_OFFSET), (toe, TIP)].map(|(joint, sole)| {
                 frames[joint].position + frames[joint].rotation * (sole * self.body.scale)
             })
         })

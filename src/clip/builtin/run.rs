@@ -8,9 +8,9 @@
 
 use std::f64::consts::{PI, TAU};
 
-use glam::{DQuat, DVec3};
+use glam::DVec3;
 
-use super::body::{ANKLE_HEIGHT, Body, Side, TOE_OFFSET, Trunk};
+use super::body::{ANKLE_HEIGHT, Body, HEEL_OFFSET, Side, TOE_OFFSET, Trunk};
 use super::curve::Curve;
 use super::limbs::{ArmAngles, Foot};
 use super::mass::{GRAVITY, balance, ballistic};
@@ -48,7 +48,7 @@ const RUN: BuiltinInfo = BuiltinInfo {
 
 /// Shares of a stance: flat foot, heel lifting.
 const FLAT: f64 = 0.2;
-const HEEL_OFF: f64 = 0.36;
+const HEEL_OFF: f64 = 0.30;
 /// Pitch of the foot at touch-down and at take-off, radians.
 const STRIKE_PITCH: f64 = -0.10;
 const TOE_OFF_PITCH: f64 = 1.08;
@@ -106,7 +106,8 @@ impl Running {
         const SHORTEST_FLIGHT: f64 = 0.105;
         let pendulum = body.scale.sqrt();
         let relative = speed / pendulum;
-        let step = (pendulum * (0.400 - 0.0145 * relative) * FPS).round() / FPS;
+        let sprint = (relative - 4.5).max(0.0);
+        let step = (pendulum * (0.400 - 0.0145 * relative - 0.03 * sprint) * FPS).round() / FPS;
         let stance = (pendulum * (0.52 / relative + 0.078)).min(step - SHORTEST_FLIGHT);
         let height = 1.05 * body.scale;
         let mut running = Self { body, speed, turn, step, stance, height, starts: Vec::new() };
@@ -120,14 +121,12 @@ impl Running {
         let count = floor_index(seconds / self.step) + 6;
         self.starts.clear();
         let mut place = DVec3::ZERO;
-        let mut number = -STEPS_BEFORE;
-        for _ in 0..count {
+        for (number, _) in (-STEPS_BEFORE..).zip(0..count) {
             self.starts.push(place);
             let after = self.flight_velocity(number + 1);
             let stance = 0.5 * (self.flight_velocity(number) + after) * self.stance;
             let braked = self.ahead_of(number) * (BRAKING * self.stance * self.stance / TAU);
             place += (stance + after * (self.step - self.stance) - braked) * DVec3::new(1.0, 0.0, 1.0);
-            number += 1;
         }
         let origin = self.starts[floor_index(f64::from(STEPS_BEFORE))];
         self.starts.iter_mut().for_each(|start| *start -= origin);
@@ -198,12 +197,13 @@ impl Running {
     fn standing(&self, number: i32, since: f64) -> Foot {
         let flat = self.plant(number);
         let share = since / self.stance;
+        let pivoted = |point, pitch| self.body.pivoted(point, flat.ankle, [flat.turn, pitch]);
         if share < HEEL_OFF {
-            return Foot { pitch: STRIKE_PITCH * (1.0 - smoothstep(share / FLAT)), ..flat };
+            let pitch = STRIKE_PITCH * (1.0 - smoothstep(share / FLAT));
+            return Foot { ankle: pivoted(HEEL_OFFSET, pitch), pitch, ..flat };
         }
         let pitch = TOE_OFF_PITCH * ((share - HEEL_OFF) / (1.0 - HEEL_OFF)).powf(HEEL_RISE);
-        let toe = TOE_OFFSET * self.body.scale;
-        let ankle = flat.ankle + yaw(flat.turn) * (toe - DQuat::from_rotation_x(pitch) * toe);
+        let ankle = pivoted(TOE_OFFSET, pitch);
         Foot { ankle, pitch, toe: -pitch, ..flat }
     }
 
@@ -274,13 +274,13 @@ impl Running {
             key(0.89, 0.285 + 0.07 * fast, 0.125 + 0.05 * fast),
             (1.0, ends[1][0]),
         ];
-        let pitch = |u: f64, pitch: f64| (u, DVec3::new(0.0, pitch, 0.0));
+        let turned = |u: f64, pitch: f64, toe: f64| (u, DVec3::new(0.0, pitch, toe));
         let attitudes = [
             (0.0, ends[0][1]),
-            pitch(0.24, 1.55 + 0.10 * fast),
-            pitch(0.40, 1.50 + 0.15 * fast),
-            pitch(0.55, 0.85 + 0.15 * fast),
-            pitch(0.78, 0.08),
+            turned(0.24, 1.55 + 0.10 * fast, -0.45),
+            turned(0.40, 1.50 + 0.15 * fast, -0.15),
+            turned(0.55, 0.85 + 0.15 * fast, 0.0),
+            turned(0.78, 0.08, 0.0),
             (1.0, ends[1][1]),
         ];
         let slope = |k: usize| [slopes[0][k], slopes[1][k]];
@@ -347,11 +347,10 @@ impl Running {
     fn highest_reachable(&self) -> f64 {
         let mut trial = self.clone();
         let (mut low, mut high) = (0.6 * self.height, self.height);
-        for _ in 0..40 {
+        for _ in 0..30 {
             trial.height = 0.5 * (low + high);
-            let instants = (0..60).map(|k| 2.0 * self.step * f64::from(k) / 60.0);
-            let longest = instants.map(|time| trial.stretched_pose(time).1).fold(0.0, f64::max);
-            if longest < LONGEST_LEG {
+            let mut instants = (0..60).map(|k| 2.0 * self.step * f64::from(k) / 60.0);
+            if instants.all(|time| trial.stretched_pose(time).1 < LONGEST_LEG) {
                 low = trial.height;
             } else {
                 high = trial.height;

@@ -22,7 +22,7 @@ const SIDE_STEP: BuiltinInfo = BuiltinInfo {
             description: "to the side",
             unit: "m/s",
             default: 0.4,
-            range: (0.2, 0.7),
+            range: (0.2, 0.6),
         },
         BuiltinParameter {
             name: "left",
@@ -57,9 +57,9 @@ const SIDE_STEP: BuiltinInfo = BuiltinInfo {
     events: &[],
 };
 
-/// Seconds of standing at either end.
-const STANDING: f64 = 0.4;
-/// Cycles from a stand to full speed, and back.
+/// Seconds of standing still at either end.
+const STANDING: f64 = 0.2;
+/// Cycles of the body's setting off before its feet's, and after; the same to halt.
 const SETTING_OFF: f64 = 0.5;
 /// When the leading foot lifts and lands, in cycles; the other half a cycle later.
 const LIFT: f64 = 0.06;
@@ -82,7 +82,7 @@ struct Stepping<'a> {
     period: f64,
     /// Way of a cycle, metres.
     stride: f64,
-    /// How much lower the pelvis is where the feet are apart, metres.
+    /// How much lower than standing the pelvis is at least, so that both legs reach, metres.
     drop: f64,
     /// Whether it sets off from a stand, at time 0.
     starts: bool,
@@ -94,13 +94,14 @@ fn side_step(body: &Body, values: &Values) -> Made {
     let leading = if values["left"] >= 0.5 { Side::Left } else { Side::Right };
     let mut stepping = Stepping::new(body, values["speed"], leading);
     stepping.starts = values["start"] >= 0.5;
-    let before = if stepping.starts { STANDING } else { 0.0 };
+    let standing = ((STANDING + SETTING_OFF * stepping.period) * FPS).round() / FPS;
+    let before = if stepping.starts { standing } else { 0.0 };
     let mut seconds = values["seconds"];
     if values["stop"] >= 0.5 {
         let fewest = if stepping.starts { 2.0 } else { 1.0 };
-        let cycles = ((seconds - before - STANDING) / stepping.period).round().max(fewest);
+        let cycles = ((seconds - before - standing) / stepping.period).round().max(fewest);
         stepping.stop = Some(cycles);
-        seconds = before + cycles * stepping.period + STANDING;
+        seconds = before + cycles * stepping.period + standing;
     }
     let poses = (0..=frame_at(seconds)).map(|frame| stepping.pose(frame as f64 / FPS - before));
     Made { poses: poses.collect(), events: Vec::new() }
@@ -119,21 +120,23 @@ impl<'a> Stepping<'a> {
 
     /// Time of the body in cycles: even, but for setting off and halting.
     fn progress(&self, cycles: f64) -> f64 {
+        // Even speed is reached at the same time as by a jump to it half way.
         let eased = |since: f64| {
-            let u = (since / SETTING_OFF).clamp(0.0, 1.0);
-            SETTING_OFF * u * u * (2.0 - u) + (since - SETTING_OFF).max(0.0)
+            let u = ((since + SETTING_OFF) / (2.0 * SETTING_OFF)).clamp(0.0, 1.0);
+            SETTING_OFF * u * u + (since - SETTING_OFF).max(0.0)
         };
-        let begun = if self.starts { eased(cycles) } else { cycles };
         match self.stop {
-            Some(stop) if cycles > stop - SETTING_OFF => stop - eased(stop - cycles),
-            _ => begun,
+            Some(stop) if cycles > 0.5 * stop => stop - eased(stop - cycles),
+            _ if self.starts => eased(cycles),
+            _ => cycles,
         }
     }
 
     /// Share of stepping against standing.
     fn pace(&self, cycles: f64) -> f64 {
-        let begun = if self.starts { smoothstep(cycles / SETTING_OFF) } else { 1.0 };
-        begun * self.stop.map_or(1.0, |stop| smoothstep((stop - cycles) / SETTING_OFF))
+        let eased = |since: f64| smoothstep((since + SETTING_OFF) / (2.0 * SETTING_OFF));
+        let begun = if self.starts { eased(cycles) } else { 1.0 };
+        begun * self.stop.map_or(1.0, |stop| eased(stop - cycles))
     }
 
     /// Where a foot is, in cycles after the leading one was about to lift.
@@ -163,9 +166,9 @@ impl<'a> Stepping<'a> {
     /// Pose and how far its more stretched leg is stretched.
     fn stretched_pose(&self, cycles: f64) -> (Pose, f64) {
         let (progress, pace) = (self.progress(cycles), self.pace(cycles));
-        let (wave, apart) = ((TAU * progress).sin(), 0.5 - 0.5 * (TAU * progress).cos());
+        let wave = (TAU * progress).sin();
         let ahead = self.leading.sign();
-        let low = pace * CROUCH * self.body.scale + self.drop * apart;
+        let low = pace * (CROUCH * self.body.scale).max(self.drop);
         let way = ahead * self.stride * (progress - SWAY * wave);
         let trunk = Trunk {
             pelvis_list: -0.03 * ahead * pace * wave,
@@ -198,18 +201,17 @@ impl<'a> Stepping<'a> {
 
     /// Smallest drop with which both legs reach their feet all the time, by bisection.
     fn smallest_drop(&self) -> f64 {
-        let longest = |drop: f64| {
+        let reaches = |drop: f64| {
             let trial = Self { drop, ..*self };
-            let instants = (0..60).map(|k| trial.stretched_pose(f64::from(k) / 60.0).1);
-            instants.fold(0.0, f64::max)
+            (0..60).all(|k| trial.stretched_pose(f64::from(k) / 60.0).1 < LONGEST_LEG)
         };
         let (mut low, mut high) = (0.0, 0.3 * self.body.scale);
-        for _ in 0..40 {
+        for _ in 0..30 {
             let middle = 0.5 * (low + high);
-            if longest(middle) > LONGEST_LEG {
-                low = middle;
-            } else {
+            if reaches(middle) {
                 high = middle;
+            } else {
+                low = middle;
             }
         }
         high

@@ -2,7 +2,7 @@
 
 use super::body::Body;
 use super::course::Course;
-use super::gait::{Bearing, Gait, HALTING, SETTING_OFF};
+use super::gait::{Bearing, Ends, Gait, HALTING, SETTING_OFF};
 use super::{BuiltinInfo, BuiltinParameter, FPS, Generator, Made, STATURE, Values, frame_at};
 
 pub(super) const ALL: &[Generator] = &[Generator { info: WALK, make: walk }];
@@ -79,6 +79,8 @@ pub(super) fn course(values: &Values) -> Course {
 pub(super) struct Schedule {
     /// Seconds before its time 0 that the clip begins.
     before: f64,
+    /// When it stands again, in the gait's time, if it does.
+    pub(super) halted: Option<f64>,
     /// Frames after the first.
     pub(super) last_frame: usize,
 }
@@ -101,15 +103,16 @@ pub(super) fn schedule(gait: &mut Gait, values: &Values, standing: [f64; 2]) -> 
     let (starts, stops) = (values["start"] >= 0.5, values["stop"] >= 0.5);
     let before =
         if starts { ((standing[0] + 0.5 * SETTING_OFF * gait.period) * FPS).round() / FPS } else { 0.0 };
-    let mut seconds = values["seconds"];
+    let (mut stop, mut seconds) = (None, values["seconds"]);
     if stops {
         let after = HALTING * gait.period + standing[1];
         let cycles = ((seconds - before - after) / gait.period).round().max(if starts { 1.0 } else { 0.0 });
-        gait.ends.stop = Some(cycles);
+        stop = Some(cycles);
         seconds = before + cycles * gait.period + after;
     }
-    gait.ends.start = starts;
-    Schedule { before, last_frame: frame_at(seconds) }
+    gait.end_at(Ends { start: starts, stop });
+    let halted = stop.map(|stop| gait.period * (stop + HALTING));
+    Schedule { before, halted, last_frame: frame_at(seconds) }
 }
 
 fn walk(body: &Body, values: &Values) -> Made {
