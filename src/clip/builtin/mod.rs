@@ -5,6 +5,7 @@
 
 mod acts;
 mod arms;
+mod ballistics;
 mod body;
 mod course;
 mod crouch;
@@ -14,6 +15,7 @@ mod flight;
 mod gait;
 mod jump;
 mod keyed;
+mod leap;
 mod lift;
 mod limbs;
 #[cfg(test)]

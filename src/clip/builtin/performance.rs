@@ -293,8 +293,3 @@ impl Track {
 pub(super) fn vector(curves: &[Curve; 3], time: f64) -> DVec3 {
     DVec3::from_array([0, 1, 2].map(|k| curves[k].at(time)))
 }
-
-/// Toe joint of a flat foot above the ground, metres.
-pub(super) fn toe_height(body: &Body) -> f64 {
-    (ANKLE_HEIGHT + TOE_OFFSET.y) * body.scale
-}
