@@ -70,7 +70,7 @@ const BOX_HEIGHT: BuiltinParameter = BuiltinParameter {
 /// Palms on a box that is held before the waist, and their fingers below the horizon in radians: up and ahead.
 pub(super) const HELD: (f64, f64, f64) = (1.02, 0.32, 0.45);
 /// On a box on the floor: ahead, fingers; and the lowest palm that leaves the fingers room.
-const ON_FLOOR: (f64, f64) = (0.37, 1.00);
+const ON_FLOOR: (f64, f64) = (0.40, 0.95);
 const LOWEST_PALM: f64 = 0.10;
 /// On a box held out to a partner.
 const OFFERED: (f64, f64) = (1.18, 0.15);
@@ -84,6 +84,8 @@ const BENT: f64 = 0.42;
 const GRASP: f64 = 0.46;
 const LIFTED: f64 = 0.88;
 const UPRIGHT: f64 = 0.97;
+/// When it is above the knees and may come nearer.
+const PAST_KNEES: f64 = 0.62;
 /// When the hands have turned to how they carry it.
 const TURNED: f64 = 0.72;
 
@@ -112,7 +114,11 @@ fn pick_up(body: &Body, values: &Values) -> Made {
             palm: [
                 Curve::through(&[(0.32 * seconds, side.sign() * open), (grasp, side.sign() * shut)]),
                 Curve::through(&[(grasp, palm), (LIFTED * seconds, scaled(HELD.0))]),
-                Curve::through(&[(grasp, scaled(ON_FLOOR.0)), (LIFTED * seconds, scaled(HELD.1))]),
+                Curve::through(&[
+                    (grasp, scaled(ON_FLOOR.0)),
+                    (PAST_KNEES * seconds, scaled(ON_FLOOR.0)),
+                    (LIFTED * seconds, scaled(HELD.1)),
+                ]),
             ],
             fingers: Curve::through(&[(grasp, ON_FLOOR.1), (TURNED * seconds, HELD.2)]),
         });
