@@ -36,6 +36,9 @@ const TOES_OUT: f64 = 0.07;
 /// Cycles in which a walk gains its speed and loses it. Both are long enough for every leg to reach.
 pub(super) const SETTING_OFF: f64 = 1.3;
 pub(super) const HALTING: f64 = 1.0;
+/// Cycles from the first strike, and from the last, between which the weight is on the right foot.
+const LEAVING: [f64; 2] = [-0.85, 0.15];
+const COMING: [f64; 2] = [0.4, 1.2];
 /// Share of a straight leg that the most stretched leg of the cycle has.
 const LONGEST_LEG: f64 = 0.997;
 /// The same while setting off and halting.
@@ -201,6 +204,20 @@ impl Gait {
         started * stopping
     }
 
+    /// How far the pelvis goes to the right, metres, before the left foot leaves a stand, and before it comes to one.
+    fn weight_shift(&self, time: f64) -> f64 {
+        /// Metres at 1.75 m.
+        const FARTHEST: f64 = 0.04;
+        let bump = |cycles: f64, [first, last]: [f64; 2]| {
+            let half = 0.5 * (last - first);
+            smoothstep((cycles - first) / half) * smoothstep((last - cycles) / half)
+        };
+        let cycles = time / self.period;
+        let leaving = if self.ends.start { bump(cycles, LEAVING) } else { 0.0 };
+        let coming = self.ends.stop.map_or(0.0, |stop| bump(cycles - stop, COMING));
+        FARTHEST * self.body.scale * (leaving + coming)
+    }
+
     /// Distance of a striking ankle ahead of the pelvis, metres.
     fn reach_ahead(&self) -> f64 {
         0.225 * self.speed * self.period
@@ -227,8 +244,8 @@ impl Gait {
         let mut trial = self.clone();
         let mut reaches = |dip: f64| {
             trial.dip = dip;
-            let halting = ends.stop.is_none_or(|stop| trial.reaches([stop, HALTING], LONGEST_LEG_BETWEEN));
-            halting && trial.reaches([-0.5 * SETTING_OFF, SETTING_OFF], LONGEST_LEG_BETWEEN)
+            let halting = ends.stop.is_none_or(|stop| trial.reaches([stop, COMING[1]], LONGEST_LEG_BETWEEN));
+            halting && trial.reaches([LEAVING[0], 1.5], LONGEST_LEG_BETWEEN)
         };
         if reaches(0.0) {
             return;
@@ -265,7 +282,9 @@ impl Gait {
         let stand = stand::pelvis_height(&self.body) - lower;
         let list = -share * self.list();
         let pelvis = DVec3::new(
-            0.018 * self.body.scale * share * wave(MID_STANCE) - self.height * list.tan(),
+            0.018 * self.body.scale * share * wave(MID_STANCE)
+                - self.height * list.tan()
+                - self.weight_shift(time),
             stand + share * (self.height - stand) - 4.0 * self.dip * share * (1.0 - share)
                 + 0.016 * self.body.scale * pace * bob,
             self.travel(time) + borne.ahead * bearing * self.body.scale,

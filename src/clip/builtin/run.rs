@@ -77,16 +77,16 @@ fn run(body: &Body, values: &Values) -> Made {
 
 /// A way to run.
 #[derive(Clone, Debug)]
-pub(super) struct Running {
+struct Running {
     body: Body,
     /// Metres per second.
     speed: f64,
     /// Of the whole body about +y, radians a second.
     turn: f64,
     /// Seconds from one touch-down to the next; a whole number of frames.
-    pub(super) step: f64,
+    step: f64,
     /// Seconds of a step that a foot is on the ground.
-    pub(super) stance: f64,
+    stance: f64,
     /// Height of the centre of mass at touch-down and take-off, metres.
     height: f64,
     /// Plan position of the centre of mass at the touch-down of every step from number −2 on.
@@ -97,18 +97,9 @@ pub(super) struct Running {
 const STEPS_BEFORE: i32 = 2;
 
 impl Running {
-    /// Step time and stance fall with speed, all scaled as a pendulum of the body's size. Flights last a tenth of a second
-    /// at least.
-    ///
-    /// Source of the trends: Cavanagh & Kram, *Med. Sci. Sports Exerc.* 21 (1989), 467–479; Munro, Miller & Fuglevand,
-    /// *J. Biomechanics* 20 (1987), 147–155; the lines are ours.
-    pub(super) fn new(body: Body, speed: f64, turn: f64) -> Self {
-        const SHORTEST_FLIGHT: f64 = 0.105;
-        let pendulum = body.scale.sqrt();
-        let relative = speed / pendulum;
-        let sprint = (relative - 4.5).max(0.0);
-        let step = (pendulum * (0.400 - 0.0145 * relative - 0.03 * sprint) * FPS).round() / FPS;
-        let stance = (pendulum * (0.52 / relative + 0.078)).min(step - SHORTEST_FLIGHT);
+    /// Running at `speed` (m/s), turning by `turn` (rad/s).
+    fn new(body: Body, speed: f64, turn: f64) -> Self {
+        let (step, stance) = step_and_stance(body.scale, speed);
         let height = 1.05 * body.scale;
         let mut running = Self { body, speed, turn, step, stance, height, starts: Vec::new() };
         running.plan_steps(2.0 * step);
@@ -296,7 +287,7 @@ impl Running {
     }
 
     /// Pose `time` seconds after a touch-down of the left foot.
-    pub(super) fn pose(&self, time: f64) -> Pose {
+    fn pose(&self, time: f64) -> Pose {
         self.stretched_pose(time).0
     }
 
@@ -358,6 +349,20 @@ impl Running {
         }
         low
     }
+}
+
+/// Seconds of a step, and how many of them a foot is on the ground. Both fall with speed, scaled as a pendulum of the body's
+/// size; flights last a tenth of a second at least.
+///
+/// Source of the trends: Cavanagh & Kram, *Med. Sci. Sports Exerc.* 21 (1989), 467–479; Munro, Miller & Fuglevand,
+/// *J. Biomechanics* 20 (1987), 147–155; the lines are ours.
+pub(super) fn step_and_stance(scale: f64, speed: f64) -> (f64, f64) {
+    const SHORTEST_FLIGHT: f64 = 0.105;
+    let pendulum = scale.sqrt();
+    let relative = speed / pendulum;
+    let sprint = (relative - 4.5).max(0.0);
+    let step = (pendulum * (0.400 - 0.0145 * relative - 0.03 * sprint) * FPS).round() / FPS;
+    (step, (pendulum * (0.52 / relative + 0.078)).min(step - SHORTEST_FLIGHT))
 }
 
 /// Whole steps, of either sign.

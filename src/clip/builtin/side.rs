@@ -139,6 +139,18 @@ impl<'a> Stepping<'a> {
         begun * self.stop.map_or(1.0, |stop| eased(stop - cycles))
     }
 
+    /// How far the pelvis goes ahead, metres, while the first step leaves a stand (back) or the last one comes to one.
+    fn weight_shift(&self, cycles: f64) -> f64 {
+        /// Metres at 1.75 m, and the cycles from the one end to the farthest.
+        const FARTHEST: f64 = 0.03;
+        const HALF: f64 = 0.45;
+        let bump = |since: f64| {
+            smoothstep((since + SETTING_OFF) / HALF) * smoothstep((2.0 * HALF - SETTING_OFF - since) / HALF)
+        };
+        let leaving = if self.starts { bump(cycles) } else { 0.0 };
+        FARTHEST * self.body.scale * (self.stop.map_or(0.0, |stop| bump(stop - cycles)) - leaving)
+    }
+
     /// Where a foot is, in cycles after the leading one was about to lift.
     fn foot(&self, side: Side, cycles: f64) -> Foot {
         let delay = if side == self.leading { 0.0 } else { 0.5 };
@@ -169,7 +181,7 @@ impl<'a> Stepping<'a> {
         let wave = (TAU * progress).sin();
         let ahead = self.leading.sign();
         let low = pace * (CROUCH * self.body.scale).max(self.drop);
-        let way = ahead * self.stride * (progress - SWAY * wave);
+        let way = ahead * (self.stride * (progress - SWAY * wave) + self.weight_shift(cycles));
         let trunk = Trunk {
             pelvis_list: -0.03 * ahead * pace * wave,
             chest_list: 0.04 * ahead * pace * wave,

@@ -1,48 +1,59 @@
 //! What runs promise beside other locomotion.
 
+use std::sync::LazyLock;
+
 use super::super::mass::{GRAVITY, ballistic, center_of_mass};
-use super::super::run::Running;
+use super::super::run::step_and_stance;
 use super::walks::{contacts, cycle, steady};
 use super::*;
 
-/// Speed, turn and stature at the ends of their ranges.
-fn ends() -> impl Iterator<Item = (f64, f64, f64)> {
-    let speeds = [2.5, 3.2, 4.5].into_iter();
-    speeds
-        .flat_map(|speed| [0.0, -45.0].map(|turn| (speed, turn)))
-        .flat_map(|(speed, turn)| [1.2, 1.75, 2.2].map(|stature| (speed, turn, stature)))
+/// A run, its body, and the seconds of its steps and stances.
+struct Run {
+    clip: Clip,
+    body: Body,
+    step: f64,
+    stance: f64,
 }
 
-/// Frames of whole flights, first and last: neither foot's ground holds the body, by the gait's own clock.
-fn flights(running: &Running, frames: usize) -> Vec<(usize, usize)> {
+/// At the ends of the ranges of speed, turn and stature, and between.
+static RUNS: LazyLock<Vec<Run>> = LazyLock::new(|| {
+    let speeds = [2.5, 3.2, 4.5].into_iter();
+    let curves = speeds.flat_map(|speed| [0.0, -45.0].map(|turn| (speed, turn)));
+    let ends = curves.flat_map(|(speed, turn)| [1.2, 1.75, 2.2].map(|stature| (speed, turn, stature)));
+    let runs = ends.map(|(speed, turn, stature)| {
+        let clip = made("run", &[("speed", speed), ("turn", turn), ("stature", stature)]);
+        let (step, stance) = step_and_stance(stature / 1.75, speed);
+        Run { clip, body: Body::new(stature), step, stance }
+    });
+    runs.collect()
+});
+
+/// Frames of whole flights, first and last, by the gait's own clock.
+fn flights(run: &Run) -> Vec<(usize, usize)> {
     let flying = |frame: &usize| {
-        let since = (*frame as f64 / FPS).rem_euclid(running.step);
-        since > running.stance && since < running.step - ROUNDING
+        let since = (*frame as f64 / FPS).rem_euclid(run.step);
+        since > run.stance && since < run.step - ROUNDING
     };
-    let frames: Vec<usize> = (0..frames).filter(flying).collect();
-    frames.chunk_by(|a, b| a + 1 == *b).map(|run| (run[0], run[run.len() - 1])).collect()
+    let frames: Vec<usize> = (0..run.clip.frame_count()).filter(flying).collect();
+    frames.chunk_by(|a, b| a + 1 == *b).map(|flight| (flight[0], flight[flight.len() - 1])).collect()
 }
 
 #[test]
 fn flights_are_ballistic() {
     /// Metres; rounding of the centre of mass at tens of metres is 1e-14.
     const ON_THE_PARABOLA: f64 = 1e-9;
-    for (speed, turn, stature) in ends() {
-        let clip = made("run", &[("speed", speed), ("turn", turn), ("stature", stature)]);
-        let body = Body::new(stature);
-        let running = Running::new(body.clone(), speed, turn.to_radians());
-        let center = |frame: usize| center_of_mass(&body, &clip.pose(SourceFrame::from_usize(frame)));
-        let flights = flights(&running, clip.frame_count());
+    for run in RUNS.iter() {
+        let center = |frame: usize| center_of_mass(&run.body, &run.clip.pose(SourceFrame::from_usize(frame)));
+        let flights = flights(run);
         assert!(flights.len() >= 4);
-        let most = flights.iter().map(|(first, last)| last - first).max();
-        assert!(most >= Some(2), "no flight of three frames at {speed}");
+        assert!(flights.iter().map(|(first, last)| last - first).max() >= Some(2), "three frames in the air");
         for (first, last) in flights.into_iter().filter(|(first, last)| last > first) {
             let seconds = (last - first) as f64 / FPS;
             let start = center(first);
             let velocity = (center(last) - start) / seconds - DVec3::Y * (0.5 * GRAVITY * seconds);
             for frame in first..=last {
                 let expected = ballistic(start, velocity, (frame - first) as f64 / FPS);
-                assert!(center(frame).distance(expected) < ON_THE_PARABOLA, "{speed} {frame}");
+                assert!(center(frame).distance(expected) < ON_THE_PARABOLA, "{frame}");
             }
         }
     }
@@ -50,14 +61,12 @@ fn flights_are_ballistic() {
 
 #[test]
 fn feet_leave_the_ground_and_meet_it_when_flights_begin_and_end() {
-    for (speed, turn, stature) in ends() {
-        let clip = made("run", &[("speed", speed), ("turn", turn), ("stature", stature)]);
-        let running = Running::new(Body::new(stature), speed, turn.to_radians());
-        let [lefts, rights] = contacts(&clip);
+    for run in RUNS.iter() {
+        let [lefts, rights] = contacts(&run.clip);
         for (frame, feet) in lefts.into_iter().zip(rights).enumerate() {
-            let since = (frame as f64 / FPS + ROUNDING).rem_euclid(2.0 * running.step);
-            let left = since < running.stance;
-            let right = (running.step..running.step + running.stance).contains(&since);
+            let since = (frame as f64 / FPS + ROUNDING).rem_euclid(2.0 * run.step);
+            let left = since < run.stance;
+            let right = (run.step..run.step + run.stance).contains(&since);
             assert_eq!((left, right), (feet.0.any(), feet.1.any()), "{frame}");
         }
     }

@@ -260,6 +260,23 @@ fn the_centre_of_mass_is_over_the_foot_that_stands() {
 }
 
 #[test]
+fn a_foot_that_leaves_a_stand_or_comes_to_one_has_no_weight_on_it() {
+    for name in ["walk", "carry", "push", "side_step"] {
+        let clip = made(name, &[("start", 1.0), ("stop", 1.0)]);
+        let body = Body::new(1.75);
+        let [left, right] = contacts(&clip);
+        let ankles = [JointRole::LeftFoot, JointRole::RightFoot].map(|foot| trajectory(&clip, foot));
+        let lifted = |frame: &usize| left[*frame].any() != right[*frame].any();
+        let frames = || 0..clip.frame_count();
+        for frame in [frames().find(lifted), frames().rev().find(lifted)].into_iter().flatten() {
+            let center = center_of_mass(&body, &clip.pose(SourceFrame::from_usize(frame))).x;
+            let middle = 0.5 * (ankles[0][frame].x + ankles[1][frame].x);
+            assert!((center > middle) == left[frame].any(), "{name} {frame}: {center} of {middle}");
+        }
+    }
+}
+
+#[test]
 fn arms_and_legs_take_turns() {
     for name in ["walk", "run"] {
         let clip = steady(name, &[]);
