@@ -68,7 +68,7 @@ const BOX_HEIGHT: BuiltinParameter = BuiltinParameter {
 };
 
 /// Palms on a box that is held before the waist, and their fingers below the horizon in radians: up and ahead.
-pub(super) const HELD: (f64, f64, f64) = (1.02, 0.32, 0.45);
+pub(super) const HELD: (f64, f64, f64) = (1.02, 0.32, 0.33);
 /// On a box on the floor: ahead, fingers; and the lowest palm that leaves the fingers room.
 const ON_FLOOR: (f64, f64) = (0.40, 0.95);
 const LOWEST_PALM: f64 = 0.10;
