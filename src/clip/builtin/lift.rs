@@ -1,6 +1,6 @@
 //! Clips of a box that is picked up, put down, handed over and taken over with both hands.
 //!
-//! The hands hold the middles of its sides, [`HELD`] before the waist; clips that begin or end with a box begin or end so, and
+//! The palms are half way up its sides, [`HELD`] before the waist; clips that begin or end with a box begin or end so, and
 //! stand otherwise as an idle clip does. Lengths are for 1.75 m and scale with the stature, but for the box.
 
 use glam::DVec3;
@@ -104,7 +104,7 @@ fn pick_up(body: &Body, values: &Values) -> Made {
         (0.2 * seconds, 0.6),
         (grasp, 0.75),
         (0.7 * seconds, 0.3),
-        (seconds, HELD_GAZE),
+        (seconds, 0.0),
     ]);
     let scaled = |value: f64| value * body.scale;
     let (open, shut) = (values["width"] / 2.0 + OPENING, values["width"] / 2.0);
@@ -125,9 +125,6 @@ fn pick_up(body: &Body, values: &Values) -> Made {
     }
     act.made(last_frame, vec![grasp_frame])
 }
-
-/// Eyes on the way, not on the box.
-const HELD_GAZE: f64 = 0.0;
 
 fn put_down(body: &Body, values: &Values) -> Made {
     backwards(pick_up(body, values))
