@@ -19,9 +19,9 @@ use crate::geometry::smoothstep;
 use crate::skeleton::Pose;
 
 /// Phases of one foot, in cycles from its strike: flat, heel lifting, toes lifting.
-pub(super) const FLAT: f64 = 0.10;
-pub(super) const HEEL_OFF: f64 = 0.36;
-pub(super) const TOE_OFF: f64 = 0.61;
+const FLAT: f64 = 0.10;
+const HEEL_OFF: f64 = 0.36;
+const TOE_OFF: f64 = 0.61;
 /// Pitch of the foot at its strike, less in slow walks, and when the toes lift, radians.
 const STRIKE_PITCH: f64 = -0.30;
 const TOE_OFF_PITCH: f64 = 1.05;
@@ -33,7 +33,7 @@ const MID_STANCE: f64 = 0.31;
 const HALF_STEP_WIDTH: f64 = 0.065;
 /// Turn of the toes outwards, radians.
 const TOES_OUT: f64 = 0.07;
-/// Cycles in which a walk gains its speed and loses it. Both are long enough for every leg to reach.
+/// Cycles in which a walk gains its speed and loses it.
 pub(super) const SETTING_OFF: f64 = 1.3;
 pub(super) const HALTING: f64 = 1.0;
 /// Cycles from the first strike, and from the last, between which the weight is on the right foot.

@@ -62,10 +62,10 @@ const TOES_OUT: f64 = 0.05;
 const SIDEWAYS: f64 = 0.09;
 /// Largest braking, and pushing, of the ground, m/s².
 const BRAKING: f64 = 2.6;
-/// Share of a stance's way that the ankle is ahead of the centre of mass at touch-down.
-const AHEAD: f64 = 0.29;
+/// Share of a stance's way that the ankle is ahead of the centre of mass at touch-down, from slow to fast.
+const AHEAD: [f64; 2] = [0.25, 0.32];
 /// Share of a straight leg that the most stretched leg of the cycle has.
-const LONGEST_LEG: f64 = 0.99;
+const LONGEST_LEG: f64 = 0.991;
 
 fn run(body: &Body, values: &Values) -> Made {
     let last_frame = frame_at(values["seconds"]);
@@ -166,13 +166,19 @@ impl Running {
         self.starts[floor_index(f64::from(number + STEPS_BEFORE))]
     }
 
+    /// 0 for a slow run, 1 for a fast one; small bodies are sooner fast.
+    fn fast(&self) -> f64 {
+        ((self.speed / self.body.scale.sqrt() - 2.5) / 2.0).clamp(0.0, 1.0)
+    }
+
     /// Where a foot stands in a step: its ankle when flat, and its turn.
     fn plant(&self, number: i32) -> Foot {
         let side = side_of(number);
         let turn = self.turn * self.step * f64::from(number);
         let middle = self.center_in(number, 0.5 * self.stance);
         let outwards = self.beside(side, ANKLE_HEIGHT * self.body.scale);
-        let behind = (0.5 - AHEAD) * self.speed * self.stance;
+        let ahead = AHEAD[0] + (AHEAD[1] - AHEAD[0]) * self.fast();
+        let behind = (0.5 - ahead) * self.speed * self.stance;
         let swayed = side.sign() * SIDEWAYS * (0.5 * (self.step - self.stance) + self.stance / PI);
         let ankle = DVec3::new(outwards - swayed, 0.0, -behind);
         let ankle = (middle + yaw(turn) * ankle).with_y(ANKLE_HEIGHT * self.body.scale);
@@ -252,7 +258,7 @@ impl Running {
 
     /// Place and attitude of a foot over the share of its swing: heel to the buttock, knee up, down to the ground.
     fn swing_curves(&self, side: Side, ends: [[DVec3; 2]; 2], slopes: [[DVec3; 2]; 2]) -> [Curve; 2] {
-        let fast = ((self.speed / self.body.scale.sqrt() - 2.5) / 2.0).clamp(0.0, 1.0);
+        let fast = self.fast();
         let scale = self.body.scale;
         let key = |u: f64, ahead: f64, high: f64| {
             (u, DVec3::new(self.beside(side, high * scale), high * scale, ahead * scale))
@@ -262,7 +268,7 @@ impl Running {
             key(0.30, -0.42 - 0.02 * fast, 0.40 + 0.09 * fast),
             key(0.52, -0.12 + 0.03 * fast, 0.33 + 0.11 * fast),
             key(0.74, 0.20 + 0.09 * fast, 0.19 + 0.13 * fast),
-            key(0.89, 0.285 + 0.07 * fast, 0.125 + 0.05 * fast),
+            key(0.89, 0.25 + 0.09 * fast, 0.125 + 0.05 * fast),
             (1.0, ends[1][0]),
         ];
         let turned = |u: f64, pitch: f64, toe: f64| (u, DVec3::new(0.0, pitch, toe));
@@ -311,7 +317,7 @@ impl Running {
     fn upper_body(&self, time: f64, pelvis: DVec3) -> Pose {
         let angle = PI * time / self.step;
         let wave = |phase: f64| (angle - TAU * phase).cos();
-        let fast = ((self.speed - 2.5) / 2.0).clamp(0.0, 1.0);
+        let fast = self.fast();
         let trunk = Trunk {
             pelvis_turn: -0.09 * wave(0.95),
             pelvis_list: 0.05 * wave(0.15) - self.list(),
@@ -362,7 +368,7 @@ pub(super) fn step_and_stance(scale: f64, speed: f64) -> (f64, f64) {
     let relative = speed / pendulum;
     let sprint = (relative - 4.5).max(0.0);
     let step = (pendulum * (0.400 - 0.0145 * relative - 0.03 * sprint) * FPS).round() / FPS;
-    (step, (pendulum * (0.52 / relative + 0.078)).min(step - SHORTEST_FLIGHT))
+    (step, (pendulum * (0.56 / relative + 0.076)).min(step - SHORTEST_FLIGHT))
 }
 
 /// Whole steps, of either sign.

@@ -1,6 +1,7 @@
 //! What generated clips promise: here what holds for all of them, in the modules below what holds for a family.
 
 mod acts;
+mod detection;
 mod jumps;
 mod loads;
 mod run;
