@@ -119,6 +119,14 @@ impl Course {
     }
 }
 
+/// Pairs of carries that follow each other with the same object, by position in `carries`.
+pub fn hand_overs(carries: &[Carry]) -> impl Iterator<Item = (usize, usize)> {
+    carries.iter().enumerate().filter_map(|(next, carry)| {
+        let before = carries[..next].iter().rposition(|before| before.object == carry.object)?;
+        Some((before, next))
+    })
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -12,7 +12,7 @@ use crate::clip::working::WORKING_STEP;
 use crate::constraint::Moment;
 use crate::geometry::{plan_of, yaw};
 use crate::index::{CharacterId, JointId, ObjectId, floor_index};
-use crate::object::{Carry, ObjectPose};
+use crate::object::{Carry, ObjectPose, hand_overs};
 use crate::scene::Scene;
 use crate::skeleton::{JointFrame, JointRole, Pose, Skeleton};
 
@@ -141,12 +141,9 @@ pub fn moment_time(scene: &Scene, performance: &impl Performance, moment: &Momen
 
 /// The first carry that begins before the one before it of the same object has ended, if any.
 pub fn overlap(scene: &Scene, performance: &impl Performance) -> Option<Overlap> {
-    let carries = || scene.carries.iter().enumerate();
-    carries().find_map(|(second, next)| {
-        let (first, before) =
-            carries().take(second).filter(|(_, carry)| carry.object == next.object).last()?;
-        let released = moment_time(scene, performance, &before.during.1);
-        let seconds = released - moment_time(scene, performance, &next.during.0);
+    hand_overs(&scene.carries).find_map(|(first, second)| {
+        let released = moment_time(scene, performance, &scene.carries[first].during.1);
+        let seconds = released - moment_time(scene, performance, &scene.carries[second].during.0);
         (seconds > HAND_OVER).then_some(Overlap { first, second, seconds })
     })
 }

@@ -109,8 +109,9 @@ impl Checker<'_> {
         match (&to.value, when) {
             (OneOrPair::One(name), _) if !name.contains(':') => Some(Err(name)),
             (OneOrPair::One(text), Some(When::During(..))) => {
-                let help =
-                    format!("write [\"{text}\", …] with the two moments that bound the partner's interval");
+                let key = to.place.field.rsplit('.').next().unwrap_or_default();
+                let bounds = "with the two moments that bound the partner's interval";
+                let help = format!("write {key} = [\"{text}\", …] {bounds}");
                 self.report.fault(&to.place, "an interval needs an interval of the partner", help);
                 None
             }

@@ -3,7 +3,7 @@
 use crate::constraint::Moment;
 use crate::geometry::world_of;
 use crate::index::{CharacterId, ObjectId};
-use crate::object::{Carry, Course, Object, ObjectKey, ObjectPose};
+use crate::object::{Carry, Course, Object, ObjectKey, ObjectPose, hand_overs};
 use crate::scene::checker::{Checked, Checker, FARTHEST, Head, order, plan_point, seconds_within};
 use crate::scene::clips::check_name;
 use crate::scene::moment::Member;
@@ -183,14 +183,6 @@ impl Checker<'_> {
         }
         None
     }
-}
-
-/// Pairs of carries that follow each other with the same object, by position in `carries`.
-pub fn hand_overs(carries: &[Carry]) -> impl Iterator<Item = (usize, usize)> {
-    carries.iter().enumerate().filter_map(|(next, carry)| {
-        let before = carries[..next].iter().rposition(|before| before.object == carry.object)?;
-        Some((before, next))
-    })
 }
 
 /// Reports what is grasped again before it is released, as far as moments of one character tell.

@@ -4,9 +4,9 @@ use std::collections::BTreeMap;
 
 use crate::constraint::{ConstraintKind, Moment, Partner, When};
 use crate::effector::EffectorTarget;
+use crate::object::hand_overs;
 use crate::scene::checker::{Checked, order};
 use crate::scene::moment::Member;
-use crate::scene::objects::hand_overs;
 use crate::scene::report::{Place, Report};
 
 /// Warns of relatives, reaches and hand-overs between characters whose moments no sync, time or duration ties.

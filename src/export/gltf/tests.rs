@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use super::*;
 use crate::clip::MovingOffset;
 use crate::clip::builtin::generate;
+use crate::geometry::c64;
 use crate::skeleton::{Axis, Joint, JointRole};
 
 /// Single precision on numbers below 10.
@@ -145,8 +146,8 @@ fn an_object_that_moves_has_keyframes_of_its_own() {
     let samplers = json["animations"][0]["samplers"].as_array().expect("samplers");
     assert_eq!(channels.len(), 22 + 2);
     assert_eq!(samplers[0]["input"], samplers[22]["input"], "frames of equal times share them");
-    let node = whole(&channels[22]["target"]["node"]);
-    assert_eq!(json["nodes"][node]["name"], "box");
+    let node = channels[22]["target"]["node"].as_u64().expect("a node");
+    assert_eq!(json["nodes"][usize::try_from(node).expect("few nodes")]["name"], "box");
     let places = numbers(&json, binary, &samplers[22]["output"]);
     let turns = numbers(&json, binary, &samplers[23]["output"]);
     for (k, pose) in poses.iter().enumerate() {

@@ -34,9 +34,7 @@ pub(super) fn draw_object(sheet: &mut Sheet, view: &View, object: &PictureObject
 
 /// How the way of an object is drawn.
 pub(super) fn way_pen() -> String {
-    format!(
-        r#"fill="none" stroke="{OUTLINE}" stroke-width="1.6" stroke-dasharray="1 3" stroke-linecap="round""#
-    )
+    format!(r#"stroke="{OUTLINE}" stroke-width="1.6" stroke-dasharray="1 3" stroke-linecap="round""#)
 }
 
 /// A small diamond: filled where an object is grasped, hollow where it is released.
