@@ -62,6 +62,51 @@ pub fn exp(vector: DVec3) -> DQuat {
     DQuat::from_scaled_axis(vector)
 }
 
+/// Sine and cosine of half an angle in degrees below 1e15; multiples of 90° are exact, and every platform has the same bits.
+///
+/// The angle less whole half turns, which is exact, is at most 90°, its half π/4: there series of nine terms are nearer to
+/// the values than these are to each other.
+pub fn sin_cos_of_half(degrees: f64) -> (f64, f64) {
+    /// 1.5·2⁵²: what is added to it loses its fraction, and its last bits are a whole number.
+    const WHOLE: f64 = 6_755_399_441_055_744.0;
+    let shifted = degrees / 180.0 + WHOLE;
+    let x = (degrees - 180.0 * (shifted - WHOLE)) * (std::f64::consts::PI / 360.0);
+    let square = x * x;
+    let series = |terms: [f64; 9]| terms.into_iter().rfold(0.0, |sum, term| sum * square + term);
+    let (sine, cosine) = (x * series(SINE), series(COSINE));
+    // Half of a half turn is a quarter turn.
+    match shifted.to_bits() & 3 {
+        0 => (sine, cosine),
+        1 => (cosine, -sine),
+        2 => (-sine, -cosine),
+        _ => (-cosine, sine),
+    }
+}
+
+/// (−1)ᵏ/(2k+1)! and (−1)ᵏ/(2k)!.
+const SINE: [f64; 9] = [
+    1.0,
+    -1.0 / 6.0,
+    1.0 / 120.0,
+    -1.0 / 5_040.0,
+    1.0 / 362_880.0,
+    -1.0 / 39_916_800.0,
+    1.0 / 6_227_020_800.0,
+    -1.0 / 1_307_674_368_000.0,
+    1.0 / 355_687_428_096_000.0,
+];
+const COSINE: [f64; 9] = [
+    1.0,
+    -1.0 / 2.0,
+    1.0 / 24.0,
+    -1.0 / 720.0,
+    1.0 / 40_320.0,
+    -1.0 / 3_628_800.0,
+    1.0 / 479_001_600.0,
+    -1.0 / 87_178_291_200.0,
+    1.0 / 20_922_789_888_000.0,
+];
+
 /// Spherical interpolation on the shorter arc; exact at both ends.
 pub fn slerp(from: DQuat, to: DQuat, s: f64) -> DQuat {
     if s == 0.0 || from == to {
@@ -120,6 +165,19 @@ mod tests {
 
     /// Rounding of a few operations on numbers below 10.
     const ROUNDING: f64 = 1e-12;
+
+    #[test]
+    fn halves_of_degrees_have_the_sines_of_their_radians() {
+        for k in -1000..=1000 {
+            let degrees = 0.3711 * f64::from(k);
+            let (sine, cosine) = sin_cos_of_half(degrees);
+            let (s, c) = (0.5 * degrees.to_radians()).sin_cos();
+            assert!((sine - s).abs() < 4e-16 && (cosine - c).abs() < 4e-16, "{degrees}");
+        }
+        assert_eq!(sin_cos_of_half(180.0), (1.0, 0.0));
+        assert_eq!(sin_cos_of_half(-360.0), (0.0, -1.0));
+        assert_eq!(sin_cos_of_half(0.0), (0.0, 1.0));
+    }
 
     #[test]
     fn ahead_and_left_agree_with_the_worked_example() {

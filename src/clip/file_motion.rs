@@ -2,6 +2,8 @@
 
 use std::fmt;
 
+use glam::{DQuat, DVec3};
+
 use super::Clip;
 use super::note::ReadNote;
 
@@ -18,6 +20,19 @@ pub(super) struct FileMotion {
     pub(super) up: Option<Up>,
     /// What was found odd so far.
     pub(super) notes: Vec<ReadNote>,
+}
+
+/// Memory that any clip may take while it is read, bytes; a longer text may take nine halves of itself more. With all that
+/// comes and goes meanwhile this stays below 64 MiB and 8 bytes for each of the text's.
+const FREE_MEMORY: usize = 36 << 20;
+
+/// Whether a text of `bytes` may hold so many frames of `joints`, each of `columns` numbers: joints without numbers, and
+/// numbers of a single digit, take memory that no text pays for. Captures take twice their text.
+pub(super) fn is_paid_for(bytes: usize, frames: usize, joints: usize, columns: usize) -> bool {
+    let [turns, numbers] = [(joints, size_of::<DQuat>()), (columns, size_of::<f64>())]
+        .map(|(count, each)| count.saturating_mul(each));
+    let frame = turns.saturating_add(numbers).saturating_add(size_of::<DVec3>());
+    frames.saturating_mul(frame) <= FREE_MEMORY + bytes / 2 * 9
 }
 
 /// Axis that points up in a file.

@@ -242,13 +242,43 @@ impl<'a> Cursor<'a> {
 }
 
 /// The digits that `text` starts with, appended to `number`; what follows them, and how many they are.
+///
+/// Eight bytes at a time, without a branch that depends on how many of them are digits.
+/// Source: Lemire, *Number Parsing at a Gigabyte per Second*, Software: Practice and Experience 51 (2021), §4.
 fn digits(text: &[u8], mut number: u64) -> (u64, &[u8], usize) {
     let mut rest = text;
+    while let Some(chunk) = rest.first_chunk() {
+        let (value, count) = eight_digits(u64::from_le_bytes(*chunk));
+        number = number.wrapping_mul(WHOLE_POWERS_OF_TEN[count]).wrapping_add(value);
+        rest = &rest[count..];
+        if count < 8 {
+            return (number, rest, text.len() - rest.len());
+        }
+    }
     while let [digit @ b'0'..=b'9', after @ ..] = rest {
         number = number.wrapping_mul(10).wrapping_add(u64::from(digit - b'0'));
         rest = after;
     }
     (number, rest, text.len() - rest.len())
+}
+
+/// 10⁰ to 10⁸.
+const WHOLE_POWERS_OF_TEN: [u64; 9] =
+    [1, 10, 100, 1_000, 10_000, 100_000, 1_000_000, 10_000_000, 100_000_000];
+
+/// Value and number of the digits that eight characters start with, the first in the lowest byte.
+fn eight_digits(chunk: u64) -> (u64, usize) {
+    const EACH: u64 = 0x0101_0101_0101_0101;
+    let from_zero = chunk.wrapping_sub(u64::from(b'0') * EACH);
+    // The top bit of a byte below '0' or above '9'; a borrow or carry reaches only bytes behind the first of them.
+    let others = (from_zero | chunk.wrapping_add((0x80 - u64::from(b'9') - 1) * EACH)) & (0x80 * EACH);
+    let bits = others.trailing_zeros() & !7;
+    // Zeros in front of the digits, nothing behind them.
+    let aligned = if bits == 0 { 0 } else { from_zero << (64 - bits) };
+    let pairs = aligned.wrapping_mul(10).wrapping_add(aligned >> 8) & 0x00ff_00ff_00ff_00ff;
+    let fours = pairs.wrapping_mul(100).wrapping_add(pairs >> 16) & 0x0000_ffff_0000_ffff;
+    let eight = fours.wrapping_mul(10_000).wrapping_add(fours >> 32) & 0xffff_ffff;
+    (eight, (bits / 8) as usize)
 }
 
 /// The exponent that `text` starts with, 0 where none is, and what follows; `None` for one of more than four digits.

@@ -156,9 +156,9 @@ pub enum AmcError {
         "{at}: more than {limit} values without a number cannot be filled in; this is no capture any more"
     )]
     TooManyGaps { at: Position, limit: usize },
-    /// Far more joints and frames than the text speaks of.
+    /// More joints and frames than a text of its size can mean.
     #[error(
-        "{at}: {frames} frames of {joints} joints, of which hardly any has values; leave out bones that do not turn"
+        "{at}: {frames} frames of {joints} joints in a file of this size; leave out bones that do not turn, or split the motion"
     )]
     TooManyRotations { at: Position, joints: usize, frames: usize },
 }

@@ -1,8 +1,8 @@
 //! Reads Acclaim skeletons (ASF) and motions (AMC), the format of CMU's capture database.
 //!
-//! Limits: 65 535 bones below the root, 2³² − 1 frames, lengths and coordinates up to 10⁹ file units, joints times frames up
-//! to 2¹⁹ and one more for every 8 bytes of the motion. Memory follows what the files hold, never what they announce, and
-//! nesting costs no stack. Keywords may be in any case, sections and fields in any order; `#` starts a comment.
+//! Limits: 65 535 bones below the root, 2³² − 1 frames, lengths and coordinates up to 10⁹ file units. Memory follows what the
+//! files hold, never what they announce: a clip may take 36 MiB and 4.5 bytes for each of the motion's; captures take two.
+//! Nesting costs no stack. Keywords may be in any case, sections and fields in any order; `#` starts a comment.
 //!
 //! A joint stands where a bone starts, which is where its parent ends; a leaf's own end is an end site. With `axis` of the
 //! bone as rotation C (the first letter of its order turned first) and the values of its `dof` as M (the first turned first),

@@ -5,6 +5,7 @@ use std::collections::HashMap;
 use super::error::AmcError;
 use super::lines::Lines;
 use super::skeleton::{AngleUnit, Dof, FARTHEST, RawSkeleton};
+use crate::clip::file_motion::is_paid_for;
 use crate::clip::repair::{Gap, LONGEST_GAP, fill_gaps};
 use crate::clip::text::{TextError, Word, quote};
 
@@ -13,11 +14,6 @@ const GAP_LIMIT: usize = 65_536;
 
 /// Rates outside these are none, samples a second: frames of 10 s to 1 µs, as in BVH files.
 const RATES: std::ops::RangeInclusive<f64> = 0.1..=1e6;
-
-/// Joints times frames that any file may have, and how many bytes of a larger file must stand behind each: joints without
-/// values take memory that no text pays for. Captures have 25 bytes and more a joint.
-const FREE_ROTATIONS: usize = 1 << 19;
-const BYTES_PER_ROTATION: usize = 8;
 
 /// A whole file.
 #[derive(Clone, Debug)]
@@ -131,15 +127,14 @@ fn header(lines: &mut Lines<'_>, usual: AngleUnit) -> Result<(AngleUnit, Option<
 /// All frames to the end of the file; their number, left out ones that are to be filled in counted.
 fn frames(reading: &mut Reading<'_, '_>) -> Result<usize, AmcError> {
     let bytes = reading.lines.remaining();
-    let limit = FREE_ROTATIONS + bytes / BYTES_PER_ROTATION;
-    let joints = reading.seen.len();
+    let (joints, width) = (reading.seen.len(), reading.columns.width());
     let mut expected = None;
     let mut count = 0;
     while let Some(word) = reading.lines.word() {
         let number = frame_number(reading, word)?;
         count += left_out(reading, word, expected.unwrap_or(number), number)?;
         count += 1;
-        if count.saturating_mul(joints) > limit {
+        if !is_paid_for(bytes, count, joints, width) {
             let at = reading.lines.position(word);
             return Err(AmcError::TooManyRotations { at, joints, frames: count });
         }

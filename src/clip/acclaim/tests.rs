@@ -269,7 +269,7 @@ fn a_chain_of_thousands_of_bones_needs_no_stack_and_more_than_the_limit_are_refu
 fn joints_without_values_cannot_fill_the_memory() {
     let frames: String = (1..=60).map(|k| format!("{k}\nroot 0 0 0 0 0 0\n")).collect();
     let error = read_texts(&chain(20_000), &frames).expect_err("more rotations than the text speaks of");
-    let expected = AmcError::TooManyRotations { at: at(53, 1), joints: 20_001, frames: 27 };
+    let expected = AmcError::TooManyRotations { at: at(117, 1), joints: 20_001, frames: 59 };
     assert_eq!(error, AcclaimError::Motion(expected));
 }
 

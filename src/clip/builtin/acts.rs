@@ -1,4 +1,4 @@
-//! Clips of what is done on the spot.
+//! Clips of standing and of a slap.
 
 use super::body::Body;
 use super::stand;

@@ -4,37 +4,45 @@
 //! and loses its speed evenly, and everything else of the gait grows and fades with that speed.
 //!
 //! Phase 0 is a strike of the left foot, phase ½ one of the right. A foot strikes with its toes up and turns about the
-//! ankle until flat, stays flat, lifts its heel about the toe joint, which stays put, and swings.
+//! heel until flat, stays flat, lifts its heel about the toe joint, which stays put, and swings.
 
 use std::f64::consts::TAU;
 
-use glam::{DQuat, DVec3};
+use glam::DVec3;
 
-use super::body::{ANKLE_HEIGHT, Body, Foot, PELVIS_HEIGHT, Side, TOE_OFFSET, Trunk};
-use super::stand;
+use super::body::{ANKLE_HEIGHT, Body, HEEL_OFFSET, PELVIS_HEIGHT, Side, TOE_OFFSET, Trunk};
+use super::course::{Course, Place};
+use super::limbs::Foot;
+use super::mass::GRAVITY;
+use super::{FPS, stand};
 use crate::geometry::smoothstep;
 use crate::skeleton::Pose;
 
 /// Phases of one foot, in cycles from its strike: flat, heel lifting, toes lifting.
-pub(super) const FLAT: f64 = 0.08;
-pub(super) const HEEL_OFF: f64 = 0.38;
-pub(super) const TOE_OFF: f64 = 0.62;
-/// Pitch of the foot at its strike and when the toes lift, radians.
-const STRIKE_PITCH: f64 = -0.24;
-const TOE_OFF_PITCH: f64 = 0.92;
+const FLAT: f64 = 0.10;
+const HEEL_OFF: f64 = 0.36;
+const TOE_OFF: f64 = 0.61;
+/// Pitch of the foot at its strike, less in slow walks, and when the toes lift, radians.
+const STRIKE_PITCH: f64 = -0.30;
+const TOE_OFF_PITCH: f64 = 1.05;
 /// Exponent of the heel's rise in time.
-const HEEL_RISE: f64 = 1.6;
+const HEEL_RISE: f64 = 1.5;
 /// Phase of the strongest support by the left leg: the pelvis is highest and farthest left.
 const MID_STANCE: f64 = 0.31;
 /// Ankles beside the line of walking, metres.
 const HALF_STEP_WIDTH: f64 = 0.065;
 /// Turn of the toes outwards, radians.
 const TOES_OUT: f64 = 0.07;
-/// Cycles in which a walk gains its speed and loses it. Both are long enough for every leg to reach.
+/// Cycles in which a walk gains its speed and loses it.
 pub(super) const SETTING_OFF: f64 = 1.3;
 pub(super) const HALTING: f64 = 1.0;
+/// Cycles from the first strike, and from the last, between which the weight is on the right foot.
+const LEAVING: [f64; 2] = [-0.85, 0.15];
+const COMING: [f64; 2] = [0.4, 1.2];
 /// Share of a straight leg that the most stretched leg of the cycle has.
-const LONGEST_LEG: f64 = 0.995;
+const LONGEST_LEG: f64 = 0.997;
+/// The same while setting off and halting.
+const LONGEST_LEG_BETWEEN: f64 = 0.999;
 
 /// A way to walk.
 #[derive(Clone, Debug)]
@@ -46,8 +54,27 @@ pub(super) struct Gait {
     pub(super) period: f64,
     /// Pelvis above the ground on average, metres.
     height: f64,
+    /// How much lower it is half way between standing and walking, metres.
+    dip: f64,
+    /// Of a foot at its strike, radians.
+    strike_pitch: f64,
+    /// Where it goes.
+    course: Course,
+    bearing: Bearing,
     /// Where the walk begins and ends, if it does.
-    pub(super) ends: Ends,
+    ends: Ends,
+}
+
+/// How the upper body is borne, beside what walking does with it.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Bearing {
+    /// Pelvis ahead of where it would be above the feet, metres at 1.75 m.
+    pub(super) ahead: f64,
+    /// Tilt of the pelvis and bend of the trunk, both forward, radians.
+    pub(super) tilt: f64,
+    pub(super) lean: f64,
+    /// Share of the thorax' turning that it does without.
+    pub(super) still: f64,
 }
 
 /// Stands at the ends of a walk.
@@ -75,26 +102,47 @@ struct Step {
 }
 
 impl Gait {
-    /// Walking at `speed`; step length and cadence keep a walk ratio of 0.39 m·s, as people do.
+    /// Walking at `speed` along `course`; step length and cadence keep a walk ratio of 0.39 m·s, as people do.
     ///
     /// Source: Sekiya et al., *J. Human Movement Studies* 30 (1996), 241–257 (walk ratio 0.0065 m per step/min).
-    pub(super) fn new(body: Body, speed: f64, fps: f64) -> Self {
+    pub(super) fn new(body: Body, speed: f64, course: Course, bearing: Bearing) -> Self {
         const WALK_RATIO: f64 = 0.39;
-        let step = (speed * WALK_RATIO * body.scale).sqrt();
-        let half_period = (step / speed * fps).round() / fps;
+        /// Metres at 1.75 m; where small bodies are fast, only their cadence rises.
+        const LONGEST_STEP: f64 = 0.80;
+        let step = (speed * WALK_RATIO * body.scale).sqrt().min(LONGEST_STEP * body.scale);
+        let half_period = (step / speed * FPS).round() / FPS;
         let height = PELVIS_HEIGHT * body.scale;
+        let usual = speed / (1.2 * body.scale.sqrt());
+        let strike_pitch = STRIKE_PITCH * usual.clamp(0.5, 1.0);
         let ends = Ends::default();
-        let mut gait = Self { height, period: 2.0 * half_period, body, speed, ends };
+        let mut gait = Self {
+            height,
+            dip: 0.0,
+            period: 2.0 * half_period,
+            body,
+            speed,
+            strike_pitch,
+            course,
+            bearing,
+            ends,
+        };
         gait.height = gait.highest_reachable();
         gait
     }
 
     /// Pose `time` seconds after a strike of the left foot at which the pelvis was over the origin.
     pub(super) fn pose(&self, time: f64) -> Pose {
-        self.stretched_pose(time).0
+        let mut pose = self.pose_on_course(time, 1.0).0;
+        self.place(time).bring(&mut pose);
+        pose
     }
 
-    /// Where a foot is `time` seconds after a strike of the left one.
+    /// Where on its course the body is.
+    pub(super) fn place(&self, time: f64) -> Place {
+        self.course.place(self.travel(time))
+    }
+
+    /// Where in the world a foot is `time` seconds after a strike of the left one.
     pub(super) fn foot(&self, side: Side, time: f64) -> Foot {
         let delay = match side {
             Side::Left => 0.0,
@@ -107,17 +155,12 @@ impl Gait {
         let plant = |cycle: f64| self.plant(side, cycle + delay);
         let step = Step { before: plant(cycle - 1.0), plant: plant(cycle), next: plant(cycle + 1.0) };
         if step.plant == step.next {
-            let Plant { ankle, turn } = step.plant;
-            return self.landing(
-                step,
-                if phase < FLAT { phase } else { FLAT },
-                Foot { ankle, turn, pitch: 0.0, toe: 0.0 },
-            );
+            return self.landing(step, if phase < FLAT { phase } else { FLAT });
         }
         if phase < TOE_OFF { self.supporting(step, phase) } else { self.swinging(step, phase) }
     }
 
-    /// Plant of a foot that strikes at `strike`, in cycles.
+    /// Plant of a foot that strikes at `strike`, in cycles, in course coordinates.
     fn plant(&self, side: Side, strike: f64) -> Plant {
         let stand = |z: f64| {
             let (ankle, turn) = stand::planted(&self.body, side);
@@ -161,6 +204,20 @@ impl Gait {
         started * stopping
     }
 
+    /// How far the pelvis goes to the right, metres, before the left foot leaves a stand, and before it comes to one.
+    fn weight_shift(&self, time: f64) -> f64 {
+        /// Metres at 1.75 m.
+        const FARTHEST: f64 = 0.04;
+        let bump = |cycles: f64, [first, last]: [f64; 2]| {
+            let half = 0.5 * (last - first);
+            smoothstep((cycles - first) / half) * smoothstep((last - cycles) / half)
+        };
+        let cycles = time / self.period;
+        let leaving = if self.ends.start { bump(cycles, LEAVING) } else { 0.0 };
+        let coming = self.ends.stop.map_or(0.0, |stop| bump(cycles - stop, COMING));
+        FARTHEST * self.body.scale * (leaving + coming)
+    }
+
     /// Distance of a striking ankle ahead of the pelvis, metres.
     fn reach_ahead(&self) -> f64 {
         0.225 * self.speed * self.period
@@ -170,12 +227,9 @@ impl Gait {
     fn highest_reachable(&self) -> f64 {
         let mut trial = self.clone();
         let (mut low, mut high) = (0.6 * self.height, self.height);
-        for _ in 0..40 {
+        for _ in 0..30 {
             trial.height = 0.5 * (low + high);
-            let longest = (0..60)
-                .map(|k| trial.stretched_pose(self.period * f64::from(k) / 60.0).1)
-                .fold(0.0, f64::max);
-            if longest < LONGEST_LEG {
+            if trial.reaches([0.0, 1.0], LONGEST_LEG) {
                 low = trial.height;
             } else {
                 high = trial.height;
@@ -184,29 +238,69 @@ impl Gait {
         low
     }
 
-    /// Pose and how far its more stretched leg is stretched.
-    fn stretched_pose(&self, time: f64) -> (Pose, f64) {
+    /// Makes the walk begin and end so, its pelvis just low enough meanwhile for both legs to reach.
+    pub(super) fn end_at(&mut self, ends: Ends) {
+        self.ends = ends;
+        let mut trial = self.clone();
+        let mut reaches = |dip: f64| {
+            trial.dip = dip;
+            let halting = ends.stop.is_none_or(|stop| trial.reaches([stop, COMING[1]], LONGEST_LEG_BETWEEN));
+            halting && trial.reaches([LEAVING[0], 1.5], LONGEST_LEG_BETWEEN)
+        };
+        if reaches(0.0) {
+            return;
+        }
+        let (mut low, mut high) = (0.0, 0.2 * self.height);
+        for _ in 0..30 {
+            let middle = 0.5 * (low + high);
+            if reaches(middle) {
+                high = middle;
+            } else {
+                low = middle;
+            }
+        }
+        self.dip = high;
+    }
+
+    /// Whether no leg is stretched farther than `longest` from the first of some cycles on.
+    fn reaches(&self, [first, cycles]: [f64; 2], longest: f64) -> bool {
+        let mut instants = (0..60).map(|k| self.period * (first + cycles * f64::from(k) / 60.0));
+        instants.all(|time| self.pose_on_course(time, 1.0).1 < longest)
+    }
+
+    /// Pose on the course straightened where the body is, with a share of its bearing, and how far its more stretched leg is
+    /// stretched.
+    pub(super) fn pose_on_course(&self, time: f64, bearing: f64) -> (Pose, f64) {
         let share = self.pace(time);
         let pace = share * self.speed.min(1.6) / 1.2;
         let angle = TAU * time / self.period;
         let wave = |phase: f64| (angle - TAU * phase).cos();
         let bob = (2.0 * (angle - TAU * MID_STANCE)).cos();
-        let stand = stand::pelvis_height(&self.body);
+        let (place, borne) = (self.place(time), self.bearing);
+        // Who stands with the pelvis ahead of the feet has it lower, or the legs were too short.
+        let lower = 0.8 * borne.ahead * borne.ahead * bearing * self.body.scale;
+        let stand = stand::pelvis_height(&self.body) - lower;
+        let list = -share * self.list();
         let pelvis = DVec3::new(
-            0.018 * self.body.scale * share * wave(MID_STANCE),
-            stand + share * (self.height - stand) + 0.021 * self.body.scale * pace * bob,
-            self.travel(time),
+            0.018 * self.body.scale * share * wave(MID_STANCE)
+                - self.height * list.tan()
+                - self.weight_shift(time),
+            stand + share * (self.height - stand) - 4.0 * self.dip * share * (1.0 - share)
+                + 0.016 * self.body.scale * pace * bob,
+            self.travel(time) + borne.ahead * bearing * self.body.scale,
         );
         let trunk = Trunk {
-            pelvis_turn: -0.07 * pace * wave(0.03),
-            pelvis_list: 0.045 * pace * wave(0.2),
-            chest_turn: 0.08 * pace * wave(0.03),
-            lean: stand::LEAN + share * (0.03 - stand::LEAN) + 0.03 * pace,
+            pelvis_turn: -0.09 * pace * wave(0.03),
+            pelvis_list: 0.045 * pace * wave(0.2) + list,
+            chest_list: list,
+            pelvis_tilt: 0.11 * pace + borne.tilt * bearing,
+            chest_turn: 0.08 * pace * wave(0.03) * (1.0 - borne.still * bearing),
+            lean: stand::LEAN * (1.0 - share) - 0.03 * pace + borne.lean * bearing,
         };
         let mut pose = self.body.pose(pelvis, trunk);
         let mut longest: f64 = 0.0;
         for side in Side::BOTH {
-            let stretch = self.body.place_foot(&mut pose, side, self.foot(side, time));
+            let stretch = self.body.place_foot(&mut pose, side, place.straighten(self.foot(side, time)));
             longest = longest.max(stretch);
             let back = side.sign() * wave(0.04);
             let (swing, bend) = (pace * (0.36 * back - 0.02), 0.28 + 0.14 * pace * (1.0 - back));
@@ -218,59 +312,75 @@ impl Gait {
         (pose, longest)
     }
 
+    /// Lean into the curve, radians to the left, at full speed: as much as balances the centripetal force.
+    fn list(&self) -> f64 {
+        (self.speed * self.speed * self.course.curvature / -GRAVITY).atan()
+    }
+
     /// On the ground: toes come down, flat, heel goes up about the toe joint.
     fn supporting(&self, step: Step, phase: f64) -> Foot {
-        let Plant { ankle, turn } = step.plant;
         if phase < HEEL_OFF {
-            return self.landing(step, phase, Foot { ankle, turn, pitch: 0.0, toe: 0.0 });
+            return self.landing(step, phase);
         }
+        let turn = step.plant.turn;
         let rise = (phase - HEEL_OFF) / (TOE_OFF - HEEL_OFF);
         let pitch = TOE_OFF_PITCH * rise.powf(HEEL_RISE);
-        let ankle = self.about_toe(ankle, turn, pitch);
-        Foot { ankle, turn, pitch, toe: -pitch }
+        let ankle = self.about(TOE_OFFSET, step.plant, pitch);
+        self.planted(step.plant, Foot { ankle, turn, pitch, toe: -pitch })
     }
 
-    /// A flat foot, but for its toes coming down after a strike.
-    fn landing(&self, step: Step, phase: f64, flat: Foot) -> Foot {
-        if step.before == step.plant {
-            return flat;
-        }
-        Foot { pitch: STRIKE_PITCH * (1.0 - smoothstep(phase / FLAT)), ..flat }
+    /// A flat foot, but for its toes coming down about the heel after a strike.
+    fn landing(&self, step: Step, phase: f64) -> Foot {
+        let turn = step.plant.turn;
+        let pitch = if step.before == step.plant {
+            0.0
+        } else {
+            self.strike_pitch * (1.0 - smoothstep(phase / FLAT))
+        };
+        let ankle = self.about(HEEL_OFFSET, step.plant, pitch);
+        self.planted(step.plant, Foot { ankle, turn, pitch, toe: 0.0 })
     }
 
-    /// Ankle of a foot planted at `plant` with its heel lifted by `pitch` about the toe joint.
-    fn about_toe(&self, plant: DVec3, turn: f64, pitch: f64) -> DVec3 {
-        let toe = TOE_OFFSET * self.body.scale;
-        let upright = DQuat::from_rotation_y(turn);
-        plant + upright * (toe - DQuat::from_rotation_x(pitch) * toe)
+    /// In the world a foot that is on the ground, given on the course straightened at its plant.
+    fn planted(&self, plant: Plant, foot: Foot) -> Foot {
+        let place = self.course.place(plant.ankle.z);
+        Foot { ankle: place.to_world(foot.ankle), turn: place.heading + foot.turn, ..foot }
+    }
+
+    /// Ankle of a foot that has turned by `pitch` about a point of it since it was flat.
+    fn about(&self, point: DVec3, plant: Plant, pitch: f64) -> DVec3 {
+        self.body.pivoted(point, plant.ankle, [plant.turn, pitch])
     }
 
     /// In the air: from where the toes left the plant to the next one, without a jump in place or speed.
     fn swinging(&self, step: Step, phase: f64) -> Foot {
         /// Additional height of the ankle half way, metres.
-        const LIFT: f64 = 0.045;
+        const LIFT: f64 = 0.052;
         /// Share of the swing in which the toes straighten.
         const STRAIGHTENING: f64 = 0.7;
         /// Step of the difference quotient for the ankle's speed at the start, radians.
         const SMALL: f64 = 1e-6;
-        let Plant { ankle: plant, turn } = step.plant;
         let u = (phase - TOE_OFF) / (1.0 - TOE_OFF);
         // Rates are per swing.
         let pitch_rate = HEEL_RISE * TOE_OFF_PITCH * (1.0 - TOE_OFF) / (TOE_OFF - HEEL_OFF);
-        let from = self.about_toe(plant, turn, TOE_OFF_PITCH);
-        let rate = (from - self.about_toe(plant, turn, TOE_OFF_PITCH - SMALL)) / SMALL * pitch_rate;
-        let to = step.next.ankle;
+        let place = self.course.place(step.plant.ankle.z);
+        let lifted = |pitch| self.course.bend(place, self.about(TOE_OFFSET, step.plant, pitch));
+        let from = lifted(TOE_OFF_PITCH);
+        let rate = (from - lifted(TOE_OFF_PITCH - SMALL)) / SMALL * pitch_rate;
+        let next = self.course.place(step.next.ankle.z);
+        let to = self.course.bend(next, self.about(HEEL_OFFSET, step.next, self.strike_pitch));
         let bump = DVec3::Y * (LIFT * self.body.scale * 16.0 * (u * (1.0 - u)).powi(2));
         let ankle = DVec3::new(
-            to.x + (from.x - to.x) * (1.0 - smoothstep(u)),
+            hermite([from.x, to.x], [rate.x, 0.0], u),
             hermite([from.y, to.y], [rate.y, 0.0], u),
             hermite([from.z, to.z], [rate.z, 0.0], u),
         ) + bump;
-        let turn = turn + (step.next.turn - turn) * smoothstep(u);
-        let pitch = hermite([TOE_OFF_PITCH, STRIKE_PITCH], [pitch_rate, 0.0], u);
+        let turn_at = |plant: Plant| self.course.place(plant.ankle.z).heading + plant.turn;
+        let turn = turn_at(step.plant) + (turn_at(step.next) - turn_at(step.plant)) * smoothstep(u);
+        let pitch = hermite([TOE_OFF_PITCH, self.strike_pitch], [pitch_rate, 0.0], u);
         let straight = (u / STRAIGHTENING).min(1.0);
         let toe = hermite([-TOE_OFF_PITCH, 0.0], [-pitch_rate * STRAIGHTENING, 0.0], straight);
-        Foot { ankle, turn, pitch, toe }
+        Foot { ankle: self.course.to_world(ankle), turn, pitch, toe }
     }
 }
 

@@ -1,11 +1,32 @@
-//! Clips that the program generates, so that scenes run without any file: `builtin:walk`, `builtin:idle`, `builtin:slap`.
+//! Clips that the program generates, so that scenes run without any file: `builtin:walk`, `builtin:slap`, …
 //!
 //! All have one human skeleton of 21 joints, +x left, +z ahead, y up, and 30 frames a second. No chance and no clock: the
 //! same parameters give the same clip.
 
 mod acts;
+mod arms;
+mod ballistics;
 mod body;
+mod course;
+mod crouch;
+mod curve;
+mod dodge;
+mod flight;
 mod gait;
+mod jump;
+mod keyed;
+mod leap;
+mod lift;
+mod limbs;
+#[cfg(test)]
+mod limits;
+mod loads;
+mod mass;
+mod momentum;
+mod performance;
+mod run;
+mod side;
+mod sit;
 mod stand;
 mod walks;
 
@@ -113,7 +134,8 @@ struct Made {
 }
 
 /// Families of generated clips, in the order they are listed.
-const FAMILIES: &[&[Generator]] = &[walks::ALL, acts::ALL];
+const FAMILIES: &[&[Generator]] =
+    &[walks::ALL, run::ALL, side::ALL, loads::ALL, acts::ALL, lift::ALL, sit::ALL, dodge::ALL, jump::ALL];
 
 /// All generated clips.
 pub fn names() -> impl Iterator<Item = &'static BuiltinInfo> {

@@ -4,7 +4,8 @@ use std::f64::consts::TAU;
 
 use glam::{DQuat, DVec3};
 
-use super::body::{ANKLE_HEIGHT, Body, Foot, PELVIS_HEIGHT, Side, Trunk, arm_joints};
+use super::body::{ANKLE_HEIGHT, Body, PELVIS_HEIGHT, Side, Trunk, arm_joints};
+use super::limbs::{ArmTarget, Foot};
 use crate::geometry::{slerp, smoothstep};
 use crate::skeleton::Pose;
 
@@ -45,8 +46,11 @@ pub(super) fn slap(body: &Body, seconds: f64, s: f64) -> Pose {
     let outside = DVec3::new(-0.8, -0.6, -0.1);
     let below = DVec3::new(-0.45, -0.9, 0.0);
     let ahead = DVec3::new(0.0, -0.2, 1.0);
-    body.reach_right(&mut raised, behind, outside, [DVec3::new(-0.1, 1.0, -0.25), ahead]);
-    body.reach_right(&mut hit, at_partner, below, [DVec3::new(0.0, 1.0, 0.25), ahead]);
+    let reach = |pose: &mut Pose, wrist: DVec3, elbow: DVec3, fingers: DVec3| {
+        body.reach(pose, Side::Right, ArmTarget { wrist, elbow, fingers, palm: ahead });
+    };
+    reach(&mut raised, behind, outside, DVec3::new(-0.1, 1.0, -0.25));
+    reach(&mut hit, at_partner, below, DVec3::new(0.0, 1.0, 0.25));
     let mut pose = if s < SLAP_RAISED {
         between(body, &down(0.0), &raised, smoothstep((s - SLAP_START) / (SLAP_RAISED - SLAP_START)))
     } else if s < SLAP_HIT {
@@ -69,6 +73,7 @@ fn upright(body: &Body, seconds: f64, s: f64, shift: DVec3, chest_turn: f64) -> 
         pelvis_list: 0.012 * sway,
         chest_turn,
         lean: LEAN - 0.008 * (1.0 - breath),
+        ..Trunk::default()
     };
     let pelvis = DVec3::Y * pelvis_height(body) + place * body.scale + shift;
     let mut pose = body.pose(pelvis, trunk);

@@ -10,6 +10,7 @@ use super::parse::{Channel, RawBvh, RawJoint};
 use crate::clip::note::ReadNote;
 use crate::clip::roles::assign_roles;
 use crate::clip::{Clip, MovingOffset};
+use crate::geometry::sin_cos_of_half;
 use crate::index::{JointId, SourceFrame};
 use crate::skeleton::{Axis, Joint, Skeleton};
 
@@ -99,18 +100,22 @@ fn channel_starts(joints: &[RawJoint]) -> Vec<usize> {
 
 /// Product of the rotation channels in their order.
 fn rotation(channels: &[Channel], values: &[f64]) -> DQuat {
-    let mut turn = DQuat::IDENTITY;
+    let [mut x, mut y, mut z, mut w] = [0.0, 0.0, 0.0, 1.0];
     for (channel, value) in channels.iter().zip(values) {
-        // Whole turns add nothing but rounding.
-        let angle = if value.abs() < 360.0 { value.to_radians() } else { (value % 360.0).to_radians() };
-        turn *= match channel {
-            Channel::Rotation(Axis::X) => DQuat::from_rotation_x(angle),
-            Channel::Rotation(Axis::Y) => DQuat::from_rotation_y(angle),
-            Channel::Rotation(Axis::Z) => DQuat::from_rotation_z(angle),
-            Channel::Position(_) => continue,
+        let Channel::Rotation(axis) = channel else { continue };
+        // Many channels of many files are never used.
+        if *value == 0.0 {
+            continue;
+        }
+        let (s, c) = sin_cos_of_half(*value);
+        // Products with s i + c, s j + c, s k + c.
+        [x, y, z, w] = match axis {
+            Axis::X => [x * c + w * s, y * c + z * s, z * c - y * s, w * c - x * s],
+            Axis::Y => [x * c - z * s, y * c + w * s, z * c + x * s, w * c - y * s],
+            Axis::Z => [x * c + y * s, y * c - x * s, z * c + w * s, w * c - z * s],
         };
     }
-    turn
+    DQuat::from_xyzw(x, y, z, w)
 }
 
 /// Position channels of a joint, over `otherwise` where an axis has none.

@@ -47,9 +47,9 @@ pub enum BvhError {
     /// No joint has a channel, so that there is nothing to say in a row.
     #[error("{at}: no joint has channels, so that the file has no motion; give the root its CHANNELS line")]
     NoChannels { at: Position },
-    /// Far more joints and frames than the text speaks of.
+    /// More joints and frames than a text of its size can mean.
     #[error(
-        "{at}: {frames} frames of {joints} joints, of which hardly any has channels; leave out joints that do not turn"
+        "{at}: {frames} frames of {joints} joints in a file of this size; leave out joints that do not turn, or split the motion"
     )]
     TooManyRotations { at: Position, joints: usize, frames: usize },
     /// A coordinate that no body has.

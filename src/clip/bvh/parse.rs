@@ -1,6 +1,7 @@
 //! The text of a BVH file as it stands: joints, channels, rows; file units, degrees.
 
 use super::error::BvhError;
+use crate::clip::file_motion::is_paid_for;
 use crate::clip::repair::{Gap, LONGEST_GAP, fill_gaps};
 use crate::clip::text::{Cursor, TextError, Word, quote};
 use crate::skeleton::Axis;
@@ -10,11 +11,6 @@ pub(super) const JOINT_LIMIT: usize = 65_536;
 
 /// Coordinates beyond this, file units, belong to no body.
 const FARTHEST: f64 = 1e9;
-
-/// Joints times frames that any file may have, and how many bytes of a larger file must stand behind each: joints without
-/// channels take memory that no text pays for. Captures have 10 bytes and more a joint.
-const FREE_ROTATIONS: usize = 1 << 19;
-const BYTES_PER_ROTATION: usize = 4;
 
 /// Frame times outside these are none, seconds; ten seconds a frame already make 300 working frames each.
 const SHORTEST_FRAME: f64 = 1e-6;
@@ -84,7 +80,11 @@ pub(super) fn parse(bytes: &[u8], repair: bool) -> Result<RawBvh, BvhError> {
     }
     let mut gaps = Vec::new();
     let mut values = rows(&mut cursor, frame_count, &channels, repair.then_some(&mut gaps))?;
-    if joints.len().saturating_mul(frame_count) > FREE_ROTATIONS + bytes.len() / BYTES_PER_ROTATION {
+    let has_place =
+        |joint: &&RawJoint| joint.channels.iter().any(|channel| matches!(channel, Channel::Position(_)));
+    // Joints that move take three numbers more.
+    let columns = channels.len() + 3 * joints.iter().filter(has_place).count();
+    if !is_paid_for(bytes.len(), frame_count, joints.len(), columns) {
         let at = cursor.position(frames_word.start);
         return Err(BvhError::TooManyRotations { at, joints: joints.len(), frames: frame_count });
     }

@@ -1,17 +1,14 @@
 //! The text of a DeepMimic motion: one row of numbers a frame.
 
-use super::body::{FIRST_PLACE, ROW};
+use super::body::{BODY, FIRST_PLACE, ROW};
 use super::error::DeepMimicError;
 use super::json::Json;
+use crate::clip::file_motion::is_paid_for;
 use crate::clip::repair::{Gap, LONGEST_GAP, fill_gaps};
 use crate::clip::text::{TextError, Word};
 
 /// Most values without a number that are filled in.
 const GAP_LIMIT: usize = 65_536;
-
-/// Rows that any file may have, and how many bytes of a larger one must stand behind each; motions have 400 and more.
-const FREE_ROWS: usize = 65_536;
-const BYTES_PER_ROW: usize = 128;
 
 /// Places of the root beyond this are none, metres.
 const FARTHEST: f64 = 1e9;
@@ -124,7 +121,7 @@ struct Rows {
 
 /// The list of rows, at least one.
 fn frames(json: &mut Json<'_>, repair: bool) -> Result<Rows, DeepMimicError> {
-    let limit = FREE_ROWS + json.remaining() / BYTES_PER_ROW;
+    let bytes = json.remaining();
     let start = json.expect(b'[', "a list of rows")?;
     let mut rows = Rows { values: Vec::new(), starts: Vec::new(), gaps: repair.then(Vec::new) };
     if json.takes(b']') {
@@ -132,7 +129,7 @@ fn frames(json: &mut Json<'_>, repair: bool) -> Result<Rows, DeepMimicError> {
     }
     loop {
         let before = json.remaining();
-        row(json, &mut rows, limit)?;
+        row(json, &mut rows, bytes)?;
         if rows.starts.len() == 1 {
             reserve(&mut rows, json.remaining(), before - json.remaining());
         }
@@ -151,9 +148,10 @@ fn reserve(rows: &mut Rows, remaining: usize, bytes: usize) {
     rows.starts.reserve(expected);
 }
 
-fn row(json: &mut Json<'_>, rows: &mut Rows, limit: usize) -> Result<(), DeepMimicError> {
+fn row(json: &mut Json<'_>, rows: &mut Rows, bytes: usize) -> Result<(), DeepMimicError> {
     let start = json.expect(b'[', "a row of numbers in brackets")?;
-    if rows.starts.len() == limit {
+    if !is_paid_for(bytes, rows.starts.len() + 1, BODY.len(), ROW) {
+        let limit = rows.starts.len();
         return Err(DeepMimicError::TooManyRows { at: json.position(start), limit });
     }
     let mut found = 0;

@@ -3,7 +3,7 @@
 use crate::clip::Clip;
 use crate::clip::note::ReadNote;
 use crate::geometry::{log, slerp};
-use crate::index::SourceFrame;
+use crate::index::{JointId, SourceFrame};
 
 /// No body travels faster, m/s; sprinters reach 12.
 const FASTEST_ROOT: f64 = 15.0;
@@ -49,7 +49,7 @@ pub(super) fn examine(clip: &mut Clip, repair: bool, notes: &mut Vec<ReadNote>) 
 struct Glitch {
     frame: SourceFrame,
     /// `None`: the place of the root.
-    joint: Option<usize>,
+    joint: Option<JointId>,
 }
 
 /// All glitches, by frame.
@@ -77,7 +77,10 @@ fn glitches(clip: &Clip) -> Vec<Glitch> {
                 continue;
             }
             if departs(angle(frame - 1, frame), angle(frame, frame + 1), angle(frame - 1, frame + 1), turn) {
-                found.push(Glitch { frame: SourceFrame::from_usize(frame), joint: Some(joint) });
+                found.push(Glitch {
+                    frame: SourceFrame::from_usize(frame),
+                    joint: Some(JointId::from_usize(joint)),
+                });
             }
         }
     }
@@ -98,7 +101,7 @@ fn fill_in(clip: &mut Clip, glitch: Glitch) {
         }
         Some(joint) => {
             let joints = clip.skeleton.joints.len();
-            let at = frame * joints + joint;
+            let at = frame * joints + joint.as_usize();
             clip.rotations[at] = slerp(clip.rotations[at - joints], clip.rotations[at + joints], 0.5);
         }
     }

@@ -236,3 +236,36 @@ proptest! {
         }
     }
 }
+
+#[test]
+fn what_no_text_pays_for_is_refused_at_once() {
+    let still =
+        SMALL.replace("  CHANNELS 6 Xposition Yposition Zposition Zrotation Xrotation Yrotation\n", "");
+    let still = still.replace("    CHANNELS 3 Xrotation Yrotation Zrotation\n", "");
+    let announced = still.replace("Frames: 2", "Frames: 4294967295");
+    for text in [&still, &announced] {
+        let error = read_text(text).expect_err("no channels");
+        assert_eq!(error, BvhError::NoChannels { at: Position { line: 15, column: 9 } });
+    }
+    let joints = "JOINT a\n{\nOFFSET 0 1 0\n}\n".repeat(9_999);
+    let start = "HIERARCHY\nROOT a\n{\nOFFSET 0 0 0\nCHANNELS 1 Xrotation\n";
+    let rows = "0\n".repeat(200);
+    let text = format!("{start}{joints}}}\nMOTION\nFrames: 200\nFrame Time: .01\n{rows}");
+    let error = read_text(&text).err();
+    let expected = Some(BvhError::TooManyRotations {
+        at: Position { line: 40_004, column: 9 },
+        joints: 10_000,
+        frames: 200,
+    });
+    assert_eq!(error, expected);
+}
+
+#[test]
+fn coordinates_beyond_all_bodies_are_refused() {
+    let offset = read_spoilt("OFFSET 0 1 0", "OFFSET 0 -2e9 0");
+    assert_eq!(offset, BvhError::TooFar { at: Position { line: 8, column: 14 }, found: -2e9, most: 1e9 });
+    let place = read_spoilt("1 2 4 0", "1 2e9 4 0");
+    assert_eq!(place, BvhError::TooFar { at: Position { line: 20, column: 1 }, found: 2e9, most: 1e9 });
+    // Angles may be any: whole turns add nothing.
+    assert!(read_text(&SMALL.replacen("1 2 4 0", "1 2 4 2e9", 1)).is_ok());
+}

@@ -1,0 +1,10 @@
+//! BVH files.
+#![no_main]
+
+use cotillion_fuzz::check;
+use cotillion_fuzz::clip::read::{Capture, ReadOptions};
+use libfuzzer_sys::fuzz_target;
+
+fuzz_target!(|data: &[u8]| {
+    check(Capture::Bvh(data), &ReadOptions::default());
+});

@@ -1,0 +1,183 @@
+//! Walking with something in both hands, or before them.
+
+use glam::DVec3;
+
+use super::body::{Body, NECK, Side};
+use super::gait::{Bearing, Gait};
+use super::limbs::ArmTarget;
+use super::walks::{SPEED_HELP, Schedule, TURN, course, schedule, start, stop};
+use super::{BuiltinInfo, BuiltinParameter, FPS, Generator, Made, STATURE, Values, frame_at};
+use crate::geometry::smoothstep;
+use crate::skeleton::Pose;
+
+pub(super) const ALL: &[Generator] =
+    &[Generator { info: CARRY, make: carry }, Generator { info: PUSH, make: push }];
+
+const CARRY: BuiltinInfo = BuiltinInfo {
+    name: "carry",
+    description: "walks with a box held in both hands before the waist; takes it where it starts and gives it where it stops",
+    parameters: &[
+        BuiltinParameter {
+            name: "speed",
+            description: SPEED_HELP,
+            unit: "m/s",
+            default: 1.0,
+            range: (0.5, 1.4),
+        },
+        TURN,
+        BuiltinParameter {
+            name: "seconds",
+            description: "length, with stop = 1 to the nearest cycle",
+            unit: "s",
+            default: 7.5,
+            range: (0.5, 600.0),
+        },
+        BuiltinParameter {
+            name: "width",
+            description: "of the box, from hand to hand",
+            unit: "m",
+            default: 0.4,
+            range: (0.2, 0.5),
+        },
+        start(1.0),
+        stop(1.0),
+        TAKE,
+        GIVE,
+        STATURE,
+    ],
+    events: &["grasp", "release"],
+};
+
+const PUSH: BuiltinInfo = BuiltinInfo {
+    name: "push",
+    description: "pushes something ahead with both hands at chest height, leaning on it",
+    parameters: &[
+        BuiltinParameter {
+            name: "speed",
+            description: SPEED_HELP,
+            unit: "m/s",
+            default: 0.6,
+            range: (0.4, 0.8),
+        },
+        BuiltinParameter { range: (-20.0, 20.0), ..TURN },
+        BuiltinParameter {
+            name: "seconds",
+            description: "length, with stop = 1 to the nearest cycle",
+            unit: "s",
+            default: 8.0,
+            range: (0.5, 600.0),
+        },
+        start(1.0),
+        stop(1.0),
+        TAKE,
+        GIVE,
+        STATURE,
+    ],
+    events: &["grasp", "release"],
+};
+
+/// Whether the hands come from hanging.
+const TAKE: BuiltinParameter = BuiltinParameter {
+    name: "take",
+    description: "with start = 1: 1: the hands hang at first and rise to grasp; 0: they hold from the first frame on",
+    unit: "",
+    default: 1.0,
+    range: (0.0, 1.0),
+};
+
+/// Whether the hands hang again at the end.
+const GIVE: BuiltinParameter = BuiltinParameter {
+    name: "give",
+    description: "with stop = 1: 1: the hands release and hang at last; 0: they hold to the last frame",
+    unit: "",
+    default: 1.0,
+    range: (0.0, 1.0),
+};
+
+/// Seconds of standing before the hands move, while they move, and between that and walking.
+const STANDING: f64 = 0.2;
+const REACHING: f64 = 0.9;
+const HOLDING: f64 = 0.2;
+
+/// Where a hand is while it holds, for a pelvis in a pose on a straight course.
+type Hold = fn(&Body, &Values, &Pose, Side) -> ArmTarget;
+
+fn carry(body: &Body, values: &Values) -> Made {
+    let bearing = Bearing { lean: -0.05, still: 0.9, ..Bearing::default() };
+    made(body, values, bearing, beside_box)
+}
+
+fn push(body: &Body, values: &Values) -> Made {
+    let bearing = Bearing { ahead: 0.09, tilt: 0.20, lean: 0.20, still: 0.9 };
+    made(body, values, bearing, against)
+}
+
+fn made(body: &Body, values: &Values, bearing: Bearing, hold: Hold) -> Made {
+    let mut gait = Gait::new(body.clone(), values["speed"], course(values), bearing);
+    let takes = values["start"] >= 0.5 && values["take"] >= 0.5;
+    let gives = values["stop"] >= 0.5 && values["give"] >= 0.5;
+    let standing =
+        [takes, gives].map(|hands| if hands { STANDING + REACHING + HOLDING } else { 2.0 * HOLDING });
+    let schedule = schedule(&mut gait, values, standing);
+    let events = grasp_and_release(&schedule, takes, gives);
+    let poses = (0..=schedule.last_frame).map(|frame| {
+        let time = schedule.instant(frame);
+        let held = held(frame, events, takes, gives);
+        let (mut pose, _) = gait.pose_on_course(time, held);
+        for side in Side::BOTH {
+            let hanging = body.arm_target(&pose, side);
+            let holding = hold(body, values, &pose, side);
+            body.reach(&mut pose, side, hanging.towards(holding, held));
+        }
+        gait.place(time).bring(&mut pose);
+        pose
+    });
+    Made { poses: poses.collect(), events: events.into() }
+}
+
+/// Frames at which the hands begin to hold, and let go.
+fn grasp_and_release(schedule: &Schedule, takes: bool, gives: bool) -> [usize; 2] {
+    let grasp = if takes { frame_at(STANDING + REACHING) } else { 0 };
+    let release = match schedule.halted.filter(|_| gives) {
+        Some(halted) => schedule.frame(halted + HOLDING),
+        None => schedule.last_frame,
+    };
+    [grasp, release]
+}
+
+/// Share of holding in a frame: 1 between grasp and release.
+fn held(frame: usize, [grasp, release]: [usize; 2], takes: bool, gives: bool) -> f64 {
+    let share = |frames: usize| 1.0 - smoothstep(frames as f64 / (FPS * REACHING));
+    if takes && frame < grasp {
+        share(grasp - frame)
+    } else if gives && frame > release {
+        share(frame - release)
+    } else {
+        1.0
+    }
+}
+
+/// Palms on both sides of a box before the waist.
+fn beside_box(body: &Body, values: &Values, pose: &Pose, side: Side) -> ArmTarget {
+    let outwards = DVec3::X * side.sign();
+    // Half way between pelvis and neck to the side, where a body leans into a curve.
+    let neck = body.skeleton.forward_kinematics(pose)[NECK].position;
+    let middle = pose.root.with_x(0.5 * (pose.root.x + neck.x));
+    let wrist = middle + DVec3::new(0.0, 0.13, 0.25) * body.scale + outwards * (0.5 * values["width"] + 0.02);
+    ArmTarget {
+        wrist,
+        elbow: DVec3::new(0.6 * side.sign(), -0.4, -1.0),
+        fingers: DVec3::new(0.0, -0.65, 0.8),
+        palm: -outwards,
+    }
+}
+
+/// Palms against something upright ahead, which moves as evenly as the body travels.
+fn against(body: &Body, _: &Values, pose: &Pose, side: Side) -> ArmTarget {
+    ArmTarget {
+        wrist: pose.root.with_x(0.0).with_y(0.0) + DVec3::new(0.19 * side.sign(), 1.20, 0.60) * body.scale,
+        elbow: DVec3::new(0.7 * side.sign(), -1.0, -0.2),
+        fingers: DVec3::new(0.0, 1.0, 0.25),
+        palm: DVec3::new(0.0, -0.25, 1.0),
+    }
+}

@@ -1,0 +1,231 @@
+//! Stepping to the side: the leading foot goes, the other follows, the body sways over the one that stands.
+
+use std::f64::consts::TAU;
+
+use glam::DVec3;
+
+use super::body::{Body, Side, Trunk};
+use super::limbs::{ArmAngles, Foot};
+use super::stand;
+use super::{BuiltinInfo, BuiltinParameter, FPS, Generator, Made, STATURE, Values, frame_at};
+use crate::geometry::smoothstep;
+use crate::skeleton::Pose;
+
+pub(super) const ALL: &[Generator] = &[Generator { info: SIDE_STEP, make: side_step }];
+
+const SIDE_STEP: BuiltinInfo = BuiltinInfo {
+    name: "side_step",
+    description: "steps to the side, looking ahead; each cycle is a step and a close",
+    parameters: &[
+        BuiltinParameter {
+            name: "speed",
+            description: "to the side",
+            unit: "m/s",
+            default: 0.4,
+            range: (0.2, 0.6),
+        },
+        BuiltinParameter {
+            name: "left",
+            description: "1: to the left; 0: to the right",
+            unit: "",
+            default: 1.0,
+            range: (0.0, 1.0),
+        },
+        BuiltinParameter {
+            name: "seconds",
+            description: "length, with stop = 1 to the nearest cycle",
+            unit: "s",
+            default: 4.0,
+            range: (0.5, 600.0),
+        },
+        BuiltinParameter {
+            name: "start",
+            description: "1: stands first; 0: is under way from the first frame on",
+            unit: "",
+            default: 1.0,
+            range: (0.0, 1.0),
+        },
+        BuiltinParameter {
+            name: "stop",
+            description: "1: stands at last; 0: is under way to the last frame",
+            unit: "",
+            default: 1.0,
+            range: (0.0, 1.0),
+        },
+        STATURE,
+    ],
+    events: &[],
+};
+
+/// Seconds of standing still at either end.
+const STANDING: f64 = 0.2;
+/// Cycles of the body's setting off before its feet's, and after; the same to halt.
+const SETTING_OFF: f64 = 0.5;
+/// When the leading foot lifts and lands, in cycles; the other half a cycle later.
+const LIFT: f64 = 0.06;
+const LAND: f64 = 0.44;
+/// Height of a foot's lift, metres, and how far its toes hang half way, radians.
+const CLEARANCE: f64 = 0.06;
+const HANGING_TOES: f64 = 0.22;
+/// Sway over the standing foot beside the even way, as a share of a stride: just no way back.
+const SWAY: f64 = 0.14;
+/// How much lower than standing the pelvis is, metres; more where that is needed to reach.
+const CROUCH: f64 = 0.025;
+/// Share of a straight leg that the most stretched leg of the cycle has.
+const LONGEST_LEG: f64 = 0.994;
+
+/// A way to step.
+struct Stepping<'a> {
+    body: &'a Body,
+    leading: Side,
+    /// Seconds of a cycle; a whole number of frames.
+    period: f64,
+    /// Way of a cycle, metres.
+    stride: f64,
+    /// How much lower than standing the pelvis is at least, so that both legs reach, metres.
+    drop: f64,
+    /// Whether it sets off from a stand, at time 0.
+    starts: bool,
+    /// Cycles after time 0 at which it stands again.
+    stop: Option<f64>,
+}
+
+fn side_step(body: &Body, values: &Values) -> Made {
+    let leading = if values["left"] >= 0.5 { Side::Left } else { Side::Right };
+    let mut stepping = Stepping::new(body, values["speed"], leading);
+    stepping.starts = values["start"] >= 0.5;
+    let standing = ((STANDING + SETTING_OFF * stepping.period) * FPS).round() / FPS;
+    let before = if stepping.starts { standing } else { 0.0 };
+    let mut seconds = values["seconds"];
+    if values["stop"] >= 0.5 {
+        let fewest = if stepping.starts { 2.0 } else { 1.0 };
+        let cycles = ((seconds - before - standing) / stepping.period).round().max(fewest);
+        stepping.stop = Some(cycles);
+        seconds = before + cycles * stepping.period + standing;
+    }
+    let poses = (0..=frame_at(seconds)).map(|frame| stepping.pose(frame as f64 / FPS - before));
+    Made { poses: poses.collect(), events: Vec::new() }
+}
+
+impl<'a> Stepping<'a> {
+    /// Strides and cadence rise alike with speed: 0.30 m at 0.4 m/s.
+    fn new(body: &'a Body, speed: f64, leading: Side) -> Self {
+        let usual = (0.30 * 0.30 / 0.4 * speed * body.scale).sqrt();
+        let period = (usual / speed * FPS).round() / FPS;
+        let stride = speed * period;
+        let mut stepping = Self { body, leading, period, stride, drop: 0.0, starts: false, stop: None };
+        stepping.drop = stepping.smallest_drop();
+        stepping
+    }
+
+    /// Time of the body in cycles: even, but for setting off and halting.
+    fn progress(&self, cycles: f64) -> f64 {
+        // Even speed is reached at the same time as by a jump to it half way.
+        let eased = |since: f64| {
+            let u = ((since + SETTING_OFF) / (2.0 * SETTING_OFF)).clamp(0.0, 1.0);
+            SETTING_OFF * u * u + (since - SETTING_OFF).max(0.0)
+        };
+        match self.stop {
+            Some(stop) if cycles > 0.5 * stop => stop - eased(stop - cycles),
+            _ if self.starts => eased(cycles),
+            _ => cycles,
+        }
+    }
+
+    /// Share of stepping against standing.
+    fn pace(&self, cycles: f64) -> f64 {
+        let eased = |since: f64| smoothstep((since + SETTING_OFF) / (2.0 * SETTING_OFF));
+        let begun = if self.starts { eased(cycles) } else { 1.0 };
+        begun * self.stop.map_or(1.0, |stop| eased(stop - cycles))
+    }
+
+    /// How far the pelvis goes ahead, metres, while the first step leaves a stand (back) or the last one comes to one.
+    fn weight_shift(&self, cycles: f64) -> f64 {
+        /// Metres at 1.75 m, and the cycles from the one end to the farthest.
+        const FARTHEST: f64 = 0.03;
+        const HALF: f64 = 0.45;
+        let bump = |since: f64| {
+            smoothstep((since + SETTING_OFF) / HALF) * smoothstep((2.0 * HALF - SETTING_OFF - since) / HALF)
+        };
+        let leaving = if self.starts { bump(cycles) } else { 0.0 };
+        FARTHEST * self.body.scale * (self.stop.map_or(0.0, |stop| bump(stop - cycles)) - leaving)
+    }
+
+    /// Where a foot is, in cycles after the leading one was about to lift.
+    fn foot(&self, side: Side, cycles: f64) -> Foot {
+        let delay = if side == self.leading { 0.0 } else { 0.5 };
+        let since = match self.stop {
+            Some(stop) => cycles.min(stop),
+            None => cycles,
+        };
+        let since = if self.starts { since.max(0.0) } else { since } - delay;
+        let u = ((since - since.floor() - LIFT) / (LAND - LIFT)).clamp(0.0, 1.0);
+        // Where the other foot begins, half a cycle is not yet gone; where it ends, it has closed.
+        let gone = since.floor() + smoothstep(u);
+        let gone = if self.starts { gone.max(0.0) } else { gone };
+        let (ankle, turn) = stand::planted(self.body, side);
+        let lift = 16.0 * (u * (1.0 - u)).powi(2);
+        let way = DVec3::X * (self.leading.sign() * self.stride * gone);
+        let ankle = ankle + way + DVec3::Y * (CLEARANCE * self.body.scale * lift);
+        Foot { ankle, turn, pitch: HANGING_TOES * lift, toe: 0.0 }
+    }
+
+    /// Pose at an instant, seconds after the first cycle began.
+    fn pose(&self, time: f64) -> Pose {
+        self.stretched_pose(time / self.period).0
+    }
+
+    /// Pose and how far its more stretched leg is stretched.
+    fn stretched_pose(&self, cycles: f64) -> (Pose, f64) {
+        let (progress, pace) = (self.progress(cycles), self.pace(cycles));
+        let wave = (TAU * progress).sin();
+        let ahead = self.leading.sign();
+        let low = pace * (CROUCH * self.body.scale).max(self.drop);
+        let way = ahead * (self.stride * (progress - SWAY * wave) + self.weight_shift(cycles));
+        let trunk = Trunk {
+            pelvis_list: -0.03 * ahead * pace * wave,
+            chest_list: 0.04 * ahead * pace * wave,
+            lean: stand::LEAN + 0.05 * pace,
+            ..Trunk::default()
+        };
+        let mut pose = self.body.pose(DVec3::new(way, stand::pelvis_height(self.body) - low, 0.0), trunk);
+        let mut longest: f64 = 0.0;
+        for side in Side::BOTH {
+            let stretch = self.body.place_foot(&mut pose, side, self.foot(side, cycles));
+            longest = longest.max(stretch);
+            self.hang_arm(&mut pose, side, pace, side.sign() * ahead * wave);
+        }
+        (pose, longest)
+    }
+
+    /// Arms a little away from the body, swinging to the sides; `outwards` from −1 to 1.
+    fn hang_arm(&self, pose: &mut Pose, side: Side, pace: f64, outwards: f64) {
+        let (swing, bend) = stand::HANGING_ARM;
+        let arm = ArmAngles {
+            swing: swing - 0.10 * pace,
+            away: 0.13 + pace * (0.12 + 0.07 * outwards),
+            inwards: 0.25 * pace,
+            bend: bend + 0.35 * pace,
+        };
+        stand::lift_collar(pose, side, 1.0 - pace);
+        self.body.bend_arm(pose, side, arm);
+    }
+
+    /// Smallest drop with which both legs reach their feet all the time, by bisection.
+    fn smallest_drop(&self) -> f64 {
+        let reaches = |drop: f64| {
+            let trial = Self { drop, ..*self };
+            (0..60).all(|k| trial.stretched_pose(f64::from(k) / 60.0).1 < LONGEST_LEG)
+        };
+        let (mut low, mut high) = (0.0, 0.3 * self.body.scale);
+        for _ in 0..30 {
+            let middle = 0.5 * (low + high);
+            if reaches(middle) {
+                high = middle;
+            } else {
+                low = middle;
+            }
+        }
+        high
+    }
+}
