@@ -39,8 +39,8 @@ impl Editor {
         let rounds = if settles { ROUNDS + 2 * self.scene.carries.len() } else { 1 };
         let mut apart = f64::INFINITY;
         for round in 0..rounds {
-            apart = self.follow_objects()?;
-            if round > 0 && apart < SETTLED {
+            apart = self.follow_objects(if round > 0 { SETTLED } else { 0.0 })?;
+            if round > 0 && apart == 0.0 {
                 return Ok(());
             }
             self.solve_space()?;
@@ -70,9 +70,9 @@ impl Editor {
         self.spatial.iter_mut().for_each(|group| group.stale = true);
     }
 
-    /// Sets rows relative to objects that move as these are on the present paths; by how much the rows changed, metres or
-    /// radians, infinite where they bind other frames.
-    fn follow_objects(&mut self) -> Result<f64, EditError> {
+    /// Sets rows relative to objects that move as these are on the present paths, but for rows that would change by no more
+    /// than `settled`; by how much the others changed, metres or radians, infinite where they bind other frames.
+    fn follow_objects(&mut self, settled: f64) -> Result<f64, EditError> {
         let moved = Moved { scene: &self.scene, characters: &self.edit.characters };
         let motions = object_motions(&self.scene, &moved);
         let (mut rebuild, mut apart, mut changed) = (false, 0.0_f64, Vec::new());
@@ -86,11 +86,10 @@ impl Editor {
                 EditError::OwnLoad { constraint, carry: carry_named(&self.scene, carry) }
             })?;
             let change = change(old, &new);
-            *old = new;
             match change {
-                Change::Target(0.0) | Change::Coefficient(0.0) => continue,
+                Change::Target(by) | Change::Coefficient(by) if by <= settled => continue,
                 Change::Structure => {
-                    (rebuild, apart) = (true, f64::INFINITY);
+                    (rebuild, apart, *old) = (true, f64::INFINITY, new);
                     continue;
                 }
                 Change::Coefficient(by) => {
@@ -99,6 +98,7 @@ impl Editor {
                 }
                 Change::Target(by) => apart = apart.max(by),
             }
+            *old = new;
             *stale = true;
             adopt(&mut component.held[place].row.hold, &new);
         }
