@@ -530,7 +530,7 @@ fn hands_that_meet_do_so_in_the_middle() {
     assert_eq!((targets[0].len(), targets[1].len()), (2, 1));
     let (ann, bob) = (&targets[0][0], &targets[1][0]);
     assert!(ann.positions[0].distance(bob.positions[0]) < ROUNDING, "one place for both");
-    let hands = scene.end_effectors[0].when.moments().into_iter().map(|hit| {
+    let mut hands = scene.end_effectors[0].when.moments().into_iter().map(|hit| {
         let time = moment_time(&scene, &moved, hit);
         [CharacterId(0), CharacterId(1)].map(|who| {
             let skeleton = &scene.characters[who.as_usize()].track.clips[0].clip.skeleton;
@@ -538,7 +538,7 @@ fn hands_that_meet_do_so_in_the_middle() {
             skeleton.forward_kinematics(&pose)[scene.end_effectors[0].joint.as_usize()].position
         })
     });
-    let [own, theirs] = hands.last().expect("one moment");
+    let [own, theirs] = hands.next().expect("one moment");
     assert!(ann.positions[0].distance(own.midpoint(theirs)) < ROUNDING);
     let missed = effector_residuals(&stage);
     assert!((missed[0] - own.distance(theirs)).abs() < ROUNDING);
