@@ -62,13 +62,15 @@ pub fn exp(vector: DVec3) -> DQuat {
     DQuat::from_scaled_axis(vector)
 }
 
-/// Sine and cosine of half an angle in degrees below 1e15; multiples of 90° are exact, and every platform has the same bits.
+/// Sine and cosine of half an angle in degrees; multiples of 90° are exact, and every platform has the same bits.
 ///
 /// The angle less whole half turns, which is exact, is at most 90°, its half π/4: there series of nine terms are nearer to
 /// the values than these are to each other.
 pub fn sin_cos_of_half(degrees: f64) -> (f64, f64) {
     /// 1.5·2⁵²: what is added to it loses its fraction, and its last bits are a whole number.
     const WHOLE: f64 = 6_755_399_441_055_744.0;
+    // Beyond a million turns nothing is left of a fraction that mattered.
+    let degrees = if degrees.abs() < 1e9 { degrees } else { degrees % 720.0 };
     let shifted = degrees / 180.0 + WHOLE;
     let x = (degrees - 180.0 * (shifted - WHOLE)) * (std::f64::consts::PI / 360.0);
     let square = x * x;
@@ -177,6 +179,8 @@ mod tests {
         assert_eq!(sin_cos_of_half(180.0), (1.0, 0.0));
         assert_eq!(sin_cos_of_half(-360.0), (0.0, -1.0));
         assert_eq!(sin_cos_of_half(0.0), (0.0, 1.0));
+        let (sine, cosine) = sin_cos_of_half(-1e300);
+        assert!((sine.hypot(cosine) - 1.0).abs() < 1e-15);
     }
 
     #[test]

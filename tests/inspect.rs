@@ -45,9 +45,9 @@ const ODD: [&str; 5] = [
     "HIERARCHY\nROOT Hips\n{\nOFFSET 0 0 0\nCHANNELS 3 Xposition Yposition Zposition\nJOINT LeftUpLeg\n{\nOFFSET 0 0 0\n\
      CHANNELS 1 Xrotation\nEnd Site\n{\nOFFSET 0 0 0\n}\n}\nJOINT RightUpLeg\n{\nOFFSET 0 0 0\nCHANNELS 1 Xrotation\n\
      End Site\n{\nOFFSET 0 0 0\n}\n}\n}\nMOTION\nFrames: 2\nFrame Time: 0.01\n0 0 0 0 0\n0 9 0 9 9\n",
-    "HIERARCHY\nROOT Hips\n{\nOFFSET 0 0 0\nCHANNELS 3 Xposition Yposition Zposition\nJOINT LeftUpLeg\n{\nOFFSET 1e150 0 0\n\
-     CHANNELS 1 Xrotation\nJOINT LeftFoot\n{\nOFFSET 0 -1e200 0\nCHANNELS 1 Xrotation\nEnd Site\n{\nOFFSET 0 0 0\n}\n}\n}\n}\n\
-     MOTION\nFrames: 3\nFrame Time: 0.01\n0 0 0 0 0\n1e200 9 0 9 9\n0 -1e250 0 0 0\n",
+    "HIERARCHY\nROOT Hips\n{\nOFFSET 0 0 0\nCHANNELS 3 Xposition Yposition Zposition\nJOINT LeftUpLeg\n{\nOFFSET 1e8 0 0\n\
+     CHANNELS 1 Xrotation\nJOINT LeftFoot\n{\nOFFSET 0 -9e8 0\nCHANNELS 1 Xrotation\nEnd Site\n{\nOFFSET 0 0 0\n}\n}\n}\n}\n\
+     MOTION\nFrames: 3\nFrame Time: 0.01\n0 0 0 0 0\n1e9 9 0 9 9\n0 -1e9 0 0 0\n",
 ];
 
 const VIEWS: [StripView; 4] = [StripView::Side, StripView::Front, StripView::Above, StripView::ThreeQuarter];

@@ -262,10 +262,14 @@ impl Gait {
         self.dip = high;
     }
 
-    /// Whether no leg is stretched farther than `longest` from the first of some cycles on.
+    /// Whether no leg is stretched farther than `longest` from the first of some cycles on; legs are longest when a heel lifts.
     fn reaches(&self, [first, cycles]: [f64; 2], longest: f64) -> bool {
-        let mut instants = (0..60).map(|k| self.period * (first + cycles * f64::from(k) / 60.0));
-        instants.all(|time| self.pose_on_course(time, 1.0).1 < longest)
+        let even = (0..60).map(|k| first + cycles * f64::from(k) / 60.0);
+        let half_cycles = (0..6).map(|k| (2.0 * first).floor() / 2.0 + 0.5 * f64::from(k));
+        let lifts =
+            half_cycles.map(|half| half + HEEL_OFF).filter(|lift| (first..first + cycles).contains(lift));
+        let mut instants = even.chain(lifts);
+        instants.all(|instant| self.pose_on_course(self.period * instant, 1.0).1 < longest)
     }
 
     /// Pose on the course straightened where the body is, with a share of its bearing, and how far its more stretched leg is

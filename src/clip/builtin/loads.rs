@@ -2,11 +2,13 @@
 
 use glam::DVec3;
 
+use super::arms::palm_from_wrist;
 use super::body::{Body, NECK, Side};
 use super::gait::{Bearing, Gait};
+use super::lift::HELD;
 use super::limbs::ArmTarget;
 use super::walks::{SPEED_HELP, Schedule, TURN, course, schedule, start, stop};
-use super::{BuiltinInfo, BuiltinParameter, FPS, Generator, Made, STATURE, Values, frame_at};
+use super::{BuiltinInfo, BuiltinParameter, FPS, Generator, Made, STATURE, Values, frame_at, stand};
 use crate::geometry::smoothstep;
 use crate::skeleton::Pose;
 
@@ -157,17 +159,20 @@ fn held(frame: usize, [grasp, release]: [usize; 2], takes: bool, gives: bool) ->
     }
 }
 
-/// Palms on both sides of a box before the waist.
+/// Palms on both sides of a box before the waist, as who has picked it up holds it.
 fn beside_box(body: &Body, values: &Values, pose: &Pose, side: Side) -> ArmTarget {
+    let (height, ahead, fingers) = HELD;
     let outwards = DVec3::X * side.sign();
     // Half way between pelvis and neck to the side, where a body leans into a curve.
     let neck = body.skeleton.forward_kinematics(pose)[NECK].position;
     let middle = pose.root.with_x(0.5 * (pose.root.x + neck.x));
-    let wrist = middle + DVec3::new(0.0, 0.13, 0.25) * body.scale + outwards * (0.5 * values["width"] + 0.02);
+    let above_pelvis = height * body.scale - stand::pelvis_height(body);
+    let palm = DVec3::new(0.0, above_pelvis, ahead * body.scale) + outwards * (0.5 * values["width"]);
+    let fingers = palm_from_wrist(body, fingers);
     ArmTarget {
-        wrist,
+        wrist: middle + palm - fingers,
         elbow: DVec3::new(0.6 * side.sign(), -0.4, -1.0),
-        fingers: DVec3::new(0.0, -0.65, 0.8),
+        fingers,
         palm: -outwards,
     }
 }

@@ -20,9 +20,8 @@ fn a_carried_box_keeps_its_width_and_its_level() {
         let [left, right] = hands(&clip);
         let (grasp, release) = (event(&clip, "grasp"), event(&clip, "release"));
         assert!(0 < grasp && grasp + 60 < release && release < clip.frame_count() - 1);
-        // A wrist is a little outside the palm.
         let apart = left[grasp].distance(right[grasp]);
-        assert!((width..width + 0.08).contains(&apart), "{apart}");
+        assert!((apart - width).abs() < ROUNDING, "{apart}");
         for frame in grasp..=release {
             assert!((left[frame].distance(right[frame]) - apart).abs() < ROUNDING, "{frame}");
             assert!((left[frame].y - right[frame].y).abs() < ROUNDING, "{frame}");
@@ -30,6 +29,18 @@ fn a_carried_box_keeps_its_width_and_its_level() {
         for frame in [0, clip.frame_count() - 1] {
             assert!(left[frame].y < left[grasp].y - 0.07 * stature, "hands hang at the ends");
         }
+    }
+}
+
+#[test]
+fn who_has_picked_a_box_up_carries_it_as_held() {
+    let picked = made("pick_up", &[("width", 0.3)]);
+    let carried = made("carry", &[("width", 0.3), ("take", 0.0)]);
+    let last = picked.frame_count() - 1;
+    for (before, after) in hands(&picked).iter().zip(hands(&carried)) {
+        let from_root = |clip: &Clip, hand: DVec3, frame: usize| hand - clip.root_positions[frame];
+        let step = from_root(&picked, before[last], last) - from_root(&carried, after[0], 0);
+        assert!(step.length() < 0.01, "{step}");
     }
 }
 

@@ -352,10 +352,10 @@ fn any_parameters(name: &'static str) -> impl Strategy<Value = Vec<(&'static str
     values
 }
 
-fn any_clip() -> impl Strategy<Value = Clip> {
+fn any_clip() -> impl Strategy<Value = (&'static str, Vec<(&'static str, f64)>)> {
     let clips: Vec<_> = LOCOMOTION
         .iter()
-        .map(|name| any_parameters(name).prop_map(move |parameters| made(name, &parameters)).boxed())
+        .map(|name| any_parameters(name).prop_map(move |parameters| (*name, parameters)).boxed())
         .collect();
     proptest::strategy::Union::new(clips)
 }
@@ -364,7 +364,8 @@ proptest! {
     #![proptest_config(ProptestConfig::with_cases(64))]
 
     #[test]
-    fn any_parameters_give_sound_clips(clip in any_clip()) {
+    fn any_parameters_give_sound_clips((name, parameters) in any_clip()) {
+        let clip = made(name, &parameters);
         for frame in 0..clip.frame_count() {
             let pose = clip.pose(SourceFrame::from_usize(frame));
             prop_assert!(pose.root.is_finite() && pose.rotations.iter().all(|rotation| rotation.is_finite()));
@@ -373,7 +374,7 @@ proptest! {
         }
         prop_assert!(slide(&clip) < 1e-3);
         let [left, right] = contacts(&clip);
-        let flies = left.iter().zip(&right).any(|(left, right)| !left.any() && !right.any());
-        prop_assert!(!flies || clip.name == "run");
+        let flight = left.iter().zip(&right).position(|(left, right)| !left.any() && !right.any());
+        prop_assert!(flight.is_none() || clip.name == "run", "flies at {:?}", flight);
     }
 }
