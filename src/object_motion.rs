@@ -232,8 +232,11 @@ impl Hold {
         pose: ObjectPose,
     ) -> Self {
         let carry = &scene.carries[index];
-        let steps = floor_index((to - from) / WORKING_STEP) + 1;
-        let instants = (0..=steps).map(|k| (from + k as f64 * WORKING_STEP).min(to));
+        // Frame by frame of whoever says when: time may be stretched out of all proportion.
+        let who = carry.during.0.character;
+        let [first, last] = [from, to].map(|seconds| performance.frame(who, seconds));
+        let frames = (0..=floor_index(last - first)).map(|k| first + k as f64).chain([last]);
+        let instants = frames.map(|frame| performance.time(who, frame));
         let by_hands = instants.map(|seconds| Hands::at(scene, performance, carry, seconds)).all(|hands| {
             let width = plan_of(hands.across).norm();
             width >= LEAST_WIDTH

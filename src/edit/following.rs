@@ -8,7 +8,7 @@ use crate::constraint::{ConstraintKind, Relation};
 use crate::edit::expand::{Following, Wanted, place_at};
 use crate::edit::hold::Hold;
 use crate::edit::moved::Moved;
-use crate::geometry::{cis, wrap};
+use crate::geometry::{c64, cis, wrap};
 use crate::index::CharacterId;
 use crate::object::ObjectPose;
 use crate::object_motion::{ObjectMotion, Owner, Performance};
@@ -92,46 +92,32 @@ pub fn follow(
     })
 }
 
-/// How a row has changed.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Change {
-    /// It binds other frames.
-    Structure,
-    /// A coefficient, by metres or radians.
-    Coefficient(f64),
-    /// Its target alone, by metres or radians.
-    Target(f64),
+/// Whether two rows bind the same frames, with other numbers at most.
+pub fn alike(a: &Hold, b: &Hold) -> bool {
+    std::mem::discriminant(a) == std::mem::discriminant(b) && a.at() == b.at() && a.to() == b.to()
 }
 
-/// How `new` differs from `old`.
-pub fn change(old: &Hold, new: &Hold) -> Change {
-    match (old, new) {
-        (Hold::Position { at: a, target: old }, Hold::Position { at: b, target: new }) if a == b => {
-            Change::Target((new - old).norm())
-        }
-        (Hold::Facing { at: a, heading: old }, Hold::Facing { at: b, heading: new }) if a == b => {
-            Change::Target((new - old).abs())
-        }
-        (Hold::Offset { at: a, to: c, offset: old }, Hold::Offset { at: b, to: d, offset: new })
-            if (a, c) == (b, d) =>
-        {
-            Change::Coefficient((new - old).norm())
-        }
-        (
-            Hold::RelativeFacing { at: a, to: c, angle: old },
-            Hold::RelativeFacing { at: b, to: d, angle: new },
-        ) if (a, c) == (b, d) => Change::Coefficient(wrap(new - old).abs()),
-        _ => Change::Structure,
+/// The numbers of a row: metres, or radians.
+pub fn numbers(hold: &Hold) -> [f64; 2] {
+    match hold {
+        Hold::Position { target: point, .. } | Hold::Offset { offset: point, .. } => [point.re, point.im],
+        Hold::Facing { heading: angle, .. } | Hold::RelativeFacing { angle, .. } => [*angle, 0.0],
     }
 }
 
-/// Gives the row `own` the number of `new`, which binds the same frames.
-pub fn adopt(own: &mut Hold, new: &Hold) {
-    match (own, new) {
-        (Hold::Position { target: own, .. }, Hold::Position { target: new, .. }) => *own = *new,
-        (Hold::Facing { heading: own, .. }, Hold::Facing { heading: new, .. }) => *own = *new,
-        (Hold::Offset { offset: own, .. }, Hold::Offset { offset: new, .. }) => *own = *new,
-        (Hold::RelativeFacing { angle: own, .. }, Hold::RelativeFacing { angle: new, .. }) => *own = *new,
-        _ => debug_assert!(false, "rows that bind the same frames are of one kind"),
+/// From the numbers of a row to those of another that binds the same frames; angles on the shorter arc.
+pub fn step(from: &Hold, to: &Hold) -> [f64; 2] {
+    let ([a, b], [c, d]) = (numbers(from), numbers(to));
+    if from.is_direction() { [wrap(c - a), 0.0] } else { [c - a, d - b] }
+}
+
+/// Gives a row other numbers; whether that changes coefficients rather than a target.
+pub fn renumber(hold: &mut Hold, [a, b]: [f64; 2]) -> bool {
+    match hold {
+        Hold::Position { target, .. } => *target = c64::new(a, b),
+        Hold::Facing { heading, .. } => *heading = a,
+        Hold::Offset { offset, .. } => *offset = c64::new(a, b),
+        Hold::RelativeFacing { angle, .. } => *angle = a,
     }
+    matches!(hold, Hold::Offset { .. } | Hold::RelativeFacing { .. })
 }

@@ -30,6 +30,7 @@ pub mod note;
 pub mod expand;
 pub mod following;
 pub mod groups;
+pub mod mixing;
 pub mod editor;
 
 pub use editor::{Edit, Editor, Target};

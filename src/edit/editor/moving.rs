@@ -4,15 +4,17 @@ use super::{Editor, named};
 use crate::edit::error::{EditError, Named};
 use crate::edit::expand::{Following, expand};
 use crate::edit::facing::Turns;
-use crate::edit::following::{Change, OwnLoad, adopt, change, follow, wanted};
+use crate::edit::following::{OwnLoad, alike, follow, numbers, renumber, step, wanted};
 use crate::edit::groups::{Group, spatial_groups};
+use crate::edit::hold::Hold;
+use crate::edit::mixing::Mixer;
 use crate::edit::moved::Moved;
 use crate::index::ConstraintId;
 use crate::object_motion::{Overlap, object_motions, overlap};
 use crate::path::RestPath;
 use crate::scene::Scene;
 
-/// Places relative to carried objects are solved so often, and twice more for each carry.
+/// Places relative to carried objects are solved so often at most, and twice more for each row that holds one.
 const ROUNDS: usize = 20;
 /// They stay where nothing changes by more than this, metres or radians.
 const SETTLED: f64 = 1e-11;
@@ -36,27 +38,45 @@ impl Editor {
         if settles {
             self.begin_at_rest();
         }
-        let rounds = if settles { ROUNDS + 2 * self.scene.carries.len() } else { 1 };
-        let mut apart = f64::INFINITY;
+        let rounds = if settles { ROUNDS + 2 * self.following.len() } else { 1 };
+        let (mut mixer, mut apart) = (Mixer::default(), f64::INFINITY);
         for round in 0..rounds {
-            apart = self.follow_objects(if round > 0 { SETTLED } else { 0.0 })?;
-            if round > 0 && apart == 0.0 {
+            let read = self.read_objects()?;
+            let settled = if settles && round > 0 { SETTLED } else { 0.0 };
+            apart = self.furthest(&read);
+            if round > 0 && apart <= settled {
                 return Ok(());
+            }
+            if apart.is_infinite() {
+                self.rebuild(read);
+                mixer = Mixer::default();
+            } else if round == 0 {
+                // What was read at rest is no answer to the present numbers.
+                self.renumber(&read.iter().flat_map(numbers).collect::<Vec<_>>());
+            } else {
+                let present: Vec<f64> = self.following.iter().flat_map(|(_, hold)| numbers(hold)).collect();
+                let pairs = self.following.iter().zip(&read);
+                let steps: Vec<f64> = pairs.flat_map(|((_, old), new)| step(old, new)).collect();
+                self.renumber(&mixer.next(&present, &steps));
             }
             self.solve_space()?;
             if settles {
                 self.take_paths();
             }
         }
-        if settles && apart > UNSETTLED {
-            let constraints = self.following.iter().map(|(row, _)| self.held[row.row]);
-            let ids = constraints.map(|(group, row)| self.spatial[group].component.held[row].row.constraint);
-            let mut ids: Vec<ConstraintId> = ids.collect();
-            ids.dedup();
-            let constraints = ids.into_iter().map(|id| named(&self.scene, id)).collect();
-            return Err(EditError::Unsettled { constraints, metres: apart });
+        if settles && (apart.is_nan() || apart > UNSETTLED) {
+            return Err(EditError::Unsettled { constraints: self.followers(), metres: apart });
         }
         Ok(())
+    }
+
+    /// Constraints relative to objects that move, in the order of the scene.
+    fn followers(&self) -> Vec<Named> {
+        let places = self.following.iter().map(|(row, _)| self.held[row.row]);
+        let mut ids: Vec<ConstraintId> =
+            places.map(|(group, row)| self.spatial[group].component.held[row].row.constraint).collect();
+        ids.dedup();
+        ids.into_iter().map(|id| named(&self.scene, id)).collect()
     }
 
     fn begin_at_rest(&mut self) {
@@ -70,55 +90,64 @@ impl Editor {
         self.spatial.iter_mut().for_each(|group| group.stale = true);
     }
 
-    /// Sets rows relative to objects that move as these are on the present paths, but for rows that would change by no more
-    /// than `settled`; by how much the others changed, metres or radians, infinite where they bind other frames.
-    fn follow_objects(&mut self, settled: f64) -> Result<f64, EditError> {
+    /// Rows relative to objects that move as these are on the present paths.
+    fn read_objects(&self) -> Result<Vec<Hold>, EditError> {
         let moved = Moved { scene: &self.scene, characters: &self.edit.characters };
         let motions = object_motions(&self.scene, &moved);
-        let (mut rebuild, mut apart, mut changed) = (false, 0.0_f64, Vec::new());
-        for (row, old) in &mut self.following {
+        let read = |(row, _): &(Following, Hold)| {
             let (group, place) = self.held[row.row];
-            let Group { component, stale, .. } = &mut self.spatial[group];
-            let constraint = component.held[place].row.constraint;
+            let constraint = self.spatial[group].component.held[place].row.constraint;
             let wanted = wanted(&self.scene.constraints[constraint.as_usize()].kind, row.before);
-            let new = follow(&moved, &motions, row, wanted).map_err(|OwnLoad { carry }| {
+            follow(&moved, &motions, row, wanted).map_err(|OwnLoad { carry }| {
                 let constraint = named(&self.scene, constraint);
                 EditError::OwnLoad { constraint, carry: carry_named(&self.scene, carry) }
-            })?;
-            let change = change(old, &new);
-            match change {
-                Change::Target(by) | Change::Coefficient(by) if by <= settled => continue,
-                Change::Structure => {
-                    (rebuild, apart, *old) = (true, f64::INFINITY, new);
-                    continue;
-                }
-                Change::Coefficient(by) => {
-                    changed.push(group);
-                    apart = apart.max(by);
-                }
-                Change::Target(by) => apart = apart.max(by),
-            }
-            *old = new;
-            *stale = true;
-            adopt(&mut component.held[place].row.hold, &new);
-        }
-        if rebuild {
-            self.rebuild();
-        } else {
-            changed.sort_unstable();
-            changed.dedup();
-            changed.into_iter().for_each(|group| self.spatial[group].component.reassemble());
-        }
-        Ok(apart)
+            })
+        };
+        self.following.iter().map(read).collect()
     }
 
-    /// Groups and assembles all spatial rows anew, those relative to moving objects as they are at present.
-    fn rebuild(&mut self) {
+    /// By how much rows differ from the present ones, metres or radians; infinite where they bind other frames.
+    fn furthest(&self, read: &[Hold]) -> f64 {
+        let pairs = self.following.iter().zip(read);
+        let apart = |((_, old), new): (&(Following, Hold), &Hold)| {
+            if alike(old, new) {
+                step(old, new).into_iter().map(f64::abs).fold(0.0, f64::max)
+            } else {
+                f64::INFINITY
+            }
+        };
+        pairs.map(apart).fold(0.0, f64::max)
+    }
+
+    /// Gives rows relative to objects that move their numbers, two each.
+    fn renumber(&mut self, all: &[f64]) {
+        let mut changed = Vec::new();
+        for ((row, hold), own) in self.following.iter_mut().zip(all.chunks_exact(2)) {
+            let own = [own[0], own[1]];
+            if numbers(hold) == own {
+                continue;
+            }
+            renumber(hold, own);
+            let (group, place) = self.held[row.row];
+            let Group { component, stale, .. } = &mut self.spatial[group];
+            *stale = true;
+            if renumber(&mut component.held[place].row.hold, own) {
+                changed.push(group);
+            }
+        }
+        changed.sort_unstable();
+        changed.dedup();
+        changed.into_iter().for_each(|group| self.spatial[group].component.reassemble());
+    }
+
+    /// Groups and assembles all spatial rows anew, with these in place of those relative to moving objects.
+    fn rebuild(&mut self, read: Vec<Hold>) {
         let rests: Vec<RestPath> =
             self.edit.characters.iter().map(|character| character.rest.clone()).collect();
         let mut held = expand(&self.scene, &rests).held;
-        for (row, hold) in &self.following {
-            held[row.row].hold = *hold;
+        for ((row, hold), read) in self.following.iter_mut().zip(read) {
+            *hold = read;
+            held[row.row].hold = read;
         }
         (self.spatial, self.held) = spatial_groups(&rests, &held, self.settings, self.backend);
     }
