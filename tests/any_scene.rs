@@ -5,7 +5,7 @@ mod agree;
 use std::fmt::Write;
 use std::path::Path;
 
-use cotillion::edit::Editor;
+use cotillion::edit::{EditError, Editor};
 use cotillion::export::bvh::BvhOptions;
 use cotillion::export::report::report;
 use cotillion::export::scene::scene_files;
@@ -181,17 +181,22 @@ fn perform(text: &str) -> Result<bool, TestCaseError> {
     let Ok(loaded) = load_text(text, Path::new("any.toml"), &ClipFolders::default()) else {
         return Ok(false);
     };
-    agree::both_backends(&loaded.scene).map_err(TestCaseError::fail)?;
+    let scene = loaded.scene.clone();
     let mut editor = match Editor::new(loaded.scene) {
         Ok(editor) => editor,
         Err(error) => {
             return Err(TestCaseError::fail(format!("{error}: {:?}", std::error::Error::source(&error))));
         }
     };
-    let edit = match editor.solve() {
+    let solved = editor.solve();
+    // What runs away does so on rounding, in which the backends differ.
+    if !matches!(solved, Err(EditError::Unsettled(_))) {
+        agree::both_backends(&scene).map_err(TestCaseError::fail)?;
+    }
+    let edit = match solved {
         Ok(edit) => edit.clone(),
         // An answer may not exist, but then the constraints are to blame, not the solver.
-        Err(cotillion::edit::EditError::Solver { system, source, .. }) => {
+        Err(EditError::Solver { system, source, .. }) => {
             return Err(TestCaseError::fail(format!("{system}: {source}")));
         }
         Err(_) => return Ok(true),

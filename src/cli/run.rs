@@ -162,8 +162,8 @@ fn unsatisfiable(scene: &Path, text: &str, error: &EditError) -> Vec<Diagnostic>
             std::slice::from_ref(constraint),
             "hold the place before the grasp or after the release, or relative to something else",
         ),
-        EditError::Unsettled { constraints, .. } => {
-            (constraints, "hold these places relative to the carrier in place of the object")
+        EditError::Unsettled(constraints) => {
+            (constraints, "hold those who carry by pins, or relative to what they grasp")
         }
         _ => (&[], "make hard constraints that lie close together soft"),
     };

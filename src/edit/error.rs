@@ -88,13 +88,8 @@ pub enum EditError {
         carry: Named,
     },
     /// Places relative to carried objects change where these are grasped, and that changes the places, without end.
-    #[error("{}: no place relative to what is carried was found, the last two attempts are {metres:.6} m apart", list(.constraints))]
-    Unsettled {
-        /// The constraints, in the order of the scene.
-        constraints: Vec<Named>,
-        /// How far the last two attempts lie apart.
-        metres: f64,
-    },
+    #[error("{}: no place relative to what is carried stays, as it moves those who carry", list(.0))]
+    Unsettled(Vec<Named>),
     /// The bounded time problem could not be solved.
     #[error("the time steps of {characters} could not be kept in bounds")]
     Bounds {

@@ -21,6 +21,15 @@ pub struct OwnLoad {
     pub carry: usize,
 }
 
+/// Who gives way where somebody must be beside a carried object.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Ties {
+    /// They and the carrier.
+    Both,
+    /// They alone.
+    OneWay,
+}
+
 /// What a constraint wants of one of its rows: its own value, or the one before the edit.
 pub fn wanted(kind: &ConstraintKind, before: Wanted) -> Wanted {
     match (kind, before) {
@@ -54,7 +63,7 @@ fn time_of_row(moved: &Moved<'_>, following: &Following) -> f64 {
 }
 
 /// The row as the solver takes it: in the world as long as nobody has carried the object, else relative to whoever carries
-/// it, or carried it last, at that frame.
+/// it, or carried it last, at that frame; one way, always in the world.
 ///
 /// # Errors
 /// [`OwnLoad`] where that is the one whom the row holds.
@@ -62,7 +71,7 @@ pub fn follow(
     moved: &Moved<'_>,
     motions: &[ObjectMotion],
     following: &Following,
-    wanted: Wanted,
+    (wanted, ties): (Wanted, Ties),
 ) -> Result<Hold, OwnLoad> {
     let pose = object_pose(moved, motions, following);
     let seconds = time_of_row(moved, following);
@@ -79,6 +88,9 @@ pub fn follow(
         (None, Owner::Left { .. }) => carriers[0],
         (None, _) => return Err(OwnLoad { carry }),
     };
+    if ties == Ties::OneWay {
+        return Ok(in_the_world(following, wanted, pose));
+    }
     let body = &moved.characters[carrier.as_usize()];
     let to = place_at(moved.scene, &body.rest, carrier, moved.frame(carrier, seconds));
     let turn = body.turns.at(to.frame);

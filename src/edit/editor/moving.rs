@@ -4,7 +4,7 @@ use super::{Editor, named};
 use crate::edit::error::{EditError, Named};
 use crate::edit::expand::{Following, expand};
 use crate::edit::facing::Turns;
-use crate::edit::following::{OwnLoad, alike, follow, numbers, renumber, step, wanted};
+use crate::edit::following::{OwnLoad, Ties, alike, follow, numbers, renumber, step, wanted};
 use crate::edit::groups::{Group, spatial_groups};
 use crate::edit::hold::Hold;
 use crate::edit::mixing::Mixer;
@@ -23,7 +23,8 @@ const UNSETTLED: f64 = 1e-7;
 
 impl Editor {
     /// Solves paths while objects move: keyframed ones are where the times say, and what is held relative to carried ones
-    /// is solved until it stays. It begins from rest, so that the result does not depend on earlier targets.
+    /// is solved until it stays. It begins from rest, so that the result does not depend on earlier targets. Where carriers
+    /// have nothing else to hold them, moving them to the places held need not come to an end: then these follow alone.
     pub(super) fn solve_with_objects(&mut self) -> Result<(), EditError> {
         let moved = Moved { scene: &self.scene, characters: &self.edit.characters };
         if let Some(Overlap { first, second, seconds }) = overlap(&self.scene, &moved) {
@@ -35,13 +36,27 @@ impl Editor {
         }
         let carried = |row: &Following| self.scene.carries.iter().any(|carry| carry.object == row.object);
         let settles = self.following.iter().any(|(row, _)| carried(row));
+        if !settles {
+            return self.settle(Ties::Both, 1);
+        }
+        let rounds = ROUNDS + 2 * self.following.len();
+        match self.settle(Ties::Both, rounds) {
+            Err(error) if !matches!(error, EditError::OwnLoad { .. }) => {
+                self.settle(Ties::OneWay, rounds).map_err(|_| error)
+            }
+            settled => settled,
+        }
+    }
+
+    /// Solves, reads off where objects are, and solves again until nothing changes.
+    fn settle(&mut self, ties: Ties, rounds: usize) -> Result<(), EditError> {
+        let settles = rounds > 1;
         if settles {
             self.begin_at_rest();
         }
-        let rounds = if settles { ROUNDS + 2 * self.following.len() } else { 1 };
         let (mut mixer, mut apart) = (Mixer::default(), f64::INFINITY);
         for round in 0..rounds {
-            let read = self.read_objects()?;
+            let read = self.read_objects(ties)?;
             let settled = if settles && round > 0 { SETTLED } else { 0.0 };
             apart = self.furthest(&read);
             if round > 0 && apart <= settled {
@@ -65,7 +80,7 @@ impl Editor {
             }
         }
         if settles && (apart.is_nan() || apart > UNSETTLED) {
-            return Err(EditError::Unsettled { constraints: self.followers(), metres: apart });
+            return Err(EditError::Unsettled(self.followers()));
         }
         Ok(())
     }
@@ -91,14 +106,14 @@ impl Editor {
     }
 
     /// Rows relative to objects that move as these are on the present paths.
-    fn read_objects(&self) -> Result<Vec<Hold>, EditError> {
+    fn read_objects(&self, ties: Ties) -> Result<Vec<Hold>, EditError> {
         let moved = Moved { scene: &self.scene, characters: &self.edit.characters };
         let motions = object_motions(&self.scene, &moved);
         let read = |(row, _): &(Following, Hold)| {
             let (group, place) = self.held[row.row];
             let constraint = self.spatial[group].component.held[place].row.constraint;
             let wanted = wanted(&self.scene.constraints[constraint.as_usize()].kind, row.before);
-            follow(&moved, &motions, row, wanted).map_err(|OwnLoad { carry }| {
+            follow(&moved, &motions, row, (wanted, ties)).map_err(|OwnLoad { carry }| {
                 let constraint = named(&self.scene, constraint);
                 EditError::OwnLoad { constraint, carry: carry_named(&self.scene, carry) }
             })
