@@ -10,13 +10,14 @@ use rayon::prelude::*;
 use crate::clip::Clip;
 use crate::clip::contacts::FootContacts;
 use crate::clip::working::WORKING_STEP;
+use crate::edit::moved::snap;
 use crate::edit::{Edit, EditedCharacter};
-use crate::geometry::{cis, plan_of, world_of, yaw};
 use crate::index::floor_index;
-use crate::path;
 use crate::scene::Scene;
 use crate::skeleton::Pose;
 use crate::track::Track;
+
+pub use crate::edit::moved::{frame_at, time_of};
 
 /// Clock ticks this near to an instant are at it, in ticks.
 const ON_TICK: f64 = 1e-6;
@@ -128,52 +129,6 @@ fn first_tick(scene: &Scene, edit: &Edit) -> f64 {
 /// Last tick at or before `time`.
 fn end_tick(fps: f64, time: f64) -> f64 {
     (time * fps + ON_TICK).floor()
-}
-
-/// Frame (a fraction) shown at `time`: held at the first frame before, and at `last` after. `times` rise.
-pub fn frame_at(times: &[f64], last: f64, time: f64) -> f64 {
-    if times.len() < 2 || time <= times[0] {
-        return 0.0;
-    }
-    let low = times.partition_point(|t| *t <= time).saturating_sub(1).min(times.len() - 2);
-    let share = (time - times[low]) / (times[low + 1] - times[low]);
-    (low as f64 + share).min(last)
-}
-
-/// Scene time at which a fractional frame is shown, seconds.
-pub fn time_of(times: &[f64], frame: f64) -> f64 {
-    let (low, high, share) = path::bracket(frame, times.len());
-    times[low] + share * (times[high] - times[low])
-}
-
-impl EditedCharacter {
-    /// Scene time of the last frame of the track, seconds.
-    pub fn end_time(&self, track: &Track) -> f64 {
-        time_of(&self.times, track.frame_count() as f64 - 1.0 + track.overhang())
-    }
-
-    /// Pose at a scene time, held before the first and after the last frame.
-    pub fn pose_at(&self, track: &Track, time: f64) -> Pose {
-        let last = track.frame_count() as f64 - 1.0 + track.overhang();
-        self.pose(track, snap(frame_at(&self.times, last, time)))
-    }
-
-    /// Edited pose at a fractional frame of the track.
-    pub fn pose(&self, track: &Track, frame: f64) -> Pose {
-        let mut pose = track.pose(frame);
-        let turn = self.turns.at(frame);
-        let detail = plan_of(pose.root) - path::at(&self.rest.positions, frame);
-        let place = path::at(&self.positions, frame) + cis(turn) * detail;
-        pose.root = world_of(place, pose.root.y);
-        pose.rotations[0] = yaw(turn) * pose.rotations[0];
-        pose
-    }
-}
-
-/// Frames within rounding of a whole frame are that frame.
-fn snap(frame: f64) -> f64 {
-    let whole = frame.round();
-    if (frame - whole).abs() < 1e-7 { whole } else { frame }
 }
 
 #[cfg(test)]

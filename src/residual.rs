@@ -5,11 +5,13 @@ use std::f64::consts::PI;
 
 use crate::clip::facing::facing;
 use crate::constraint::{ConstraintKind, Moment};
-use crate::edit::expand::{Expansion, expand, frame_of};
+use crate::edit::expand::{Expansion, expand};
+use crate::edit::following::{in_the_world, object_pose, wanted};
 use crate::edit::hold::{Hold, Place};
 use crate::edit::time_row::TimePoint;
-use crate::edit::{Edit, EditedCharacter};
+use crate::edit::{Edit, EditedCharacter, Moved};
 use crate::geometry::{c64, cis, plan_of, wrap};
+use crate::object_motion::object_motions;
 use crate::path;
 use crate::resample::time_of;
 use crate::scene::Scene;
@@ -27,7 +29,7 @@ pub struct Residual {
     pub seconds: Option<f64>,
 }
 
-/// A moment that some constraint names, and when it happens in the result.
+/// A moment that a constraint, a carry or an end effector names, and when it happens in the result.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MomentTime {
     /// As in the scene file.
@@ -46,7 +48,14 @@ struct Stance {
 /// Residuals of all constraints of a scene, in its order. Cost: linear in constraint samples.
 pub fn residuals(scene: &Scene, edit: &Edit) -> Vec<Residual> {
     let rests: Vec<_> = edit.characters.iter().map(|character| character.rest.clone()).collect();
-    let Expansion { held, times } = expand(scene, &rests);
+    let Expansion { mut held, times, following } = expand(scene, &rests);
+    let moved = Moved { scene, characters: &edit.characters };
+    let objects = object_motions(scene, &moved);
+    for row in &following {
+        let own = &mut held[row.row];
+        let kind = &scene.constraints[own.constraint.as_usize()].kind;
+        own.hold = in_the_world(row, wanted(kind, row.before), object_pose(&moved, &objects, row));
+    }
     let mut residuals = vec![Residual::default(); scene.constraints.len()];
     for row in held {
         let own = &mut residuals[row.constraint.as_usize()];
@@ -109,15 +118,14 @@ fn motion_stance(scene: &Scene, edit: &Edit, place: Place) -> Stance {
     Stance { position: plan_of(pose.root), heading }
 }
 
-/// Every moment that a constraint names, once, in the order of the scene, with its time in the result.
+/// Every moment that something names, once, in the order of the scene, with its time in the result.
 pub fn moment_times(scene: &Scene, edit: &Edit) -> Vec<MomentTime> {
     let mut known = BTreeSet::new();
-    let named = scene.constraints.iter().flat_map(|constraint| constraint.kind.moments());
     let time = |moment: &Moment| {
         let times = &edit.characters[moment.character.as_usize()].times;
-        MomentTime { name: moment.name.clone(), time: time_of(times, frame_of(scene, moment)) }
+        MomentTime { name: moment.name.clone(), time: time_of(times, scene.frame_of(moment)) }
     };
-    named.filter(|moment| known.insert(&moment.name)).map(time).collect()
+    scene.moments().filter(|moment| known.insert(&moment.name)).map(time).collect()
 }
 
 /// Largest residual of a constraint in the unit of its kind: metres for places, radians where only a facing is held,

@@ -30,6 +30,12 @@ pub(crate) fn run(args: &RunArgs) -> Result<(), Failure> {
             },
         )?;
     bar.suspend(|| output.warnings(&warnings, &text));
+    let unmet = not_met_yet(&scene, &args.scene, &text);
+    if !unmet.is_empty() {
+        bar.finish_and_clear();
+        output.diagnostics(&unmet, &text);
+        return Err(Failure::BadInput);
+    }
     bar.inc(1);
     let solved = solve(scene, args.backend.into(), &mut timing, &bar).map_err(|error| {
         bar.finish_and_clear();
@@ -121,6 +127,21 @@ fn png(files: &[OutputFile], width: u32, output: &Output) -> Result<OutputFile, 
     }
 }
 
+/// What a sound scene asks for and no stage meets yet; empty once the full body is a stage of `run`.
+fn not_met_yet(scene: &Scene, path: &Path, text: &str) -> Vec<Diagnostic> {
+    let unmet = scene.end_effectors.iter().map(|effector| Diagnostic {
+        file: path.display().to_string(),
+        line: effector.line as usize,
+        column: 1,
+        span: line_span(text, effector.line as usize),
+        field: None,
+        message: format!("\"{}\": [[end_effector]] cannot be met by run yet", effector.name),
+        help: Some("remove it, or only check the scene".to_owned()),
+        severity: Severity::Fault,
+    });
+    unmet.collect()
+}
+
 /// What to tell of a scene without an answer: at the last constraint it concerns what is wrong and the remedy, then the
 /// others.
 fn unsatisfiable(scene: &Path, text: &str, error: &EditError) -> Vec<Diagnostic> {
@@ -133,6 +154,17 @@ fn unsatisfiable(scene: &Path, text: &str, error: &EditError) -> Vec<Diagnostic>
             "change one of these times by what is missing, or widen min_step and max_step in [warp]",
         ),
         EditError::BackwardTime { .. } => (&[], "add min_step = 0.5 to the table [warp]"),
+        EditError::CarriesOverlap { second, .. } => (
+            std::slice::from_ref(second),
+            "add a [[sync]] of its first moment with the release before, or a [[time]] for either",
+        ),
+        EditError::OwnLoad { constraint, .. } => (
+            std::slice::from_ref(constraint),
+            "hold the place before the grasp or after the release, or relative to something else",
+        ),
+        EditError::Unsettled(constraints) => {
+            (constraints, "hold those who carry by pins, or relative to what they grasp")
+        }
         _ => (&[], "make hard constraints that lie close together soft"),
     };
     let cause = std::error::Error::source(error).map_or(String::new(), |source| format!(": {source}"));

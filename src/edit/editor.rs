@@ -1,5 +1,7 @@
 //! The editor: built once per set of constraints, solved many times while targets move.
 
+mod moving;
+
 use std::ops::Range;
 
 use rayon::prelude::*;
@@ -7,10 +9,11 @@ use rayon::prelude::*;
 use crate::constraint::{Constraint, ConstraintKind, Relation};
 use crate::edit::energy::{Energy, Extent, length};
 use crate::edit::error::{EditError, Named};
-use crate::edit::expand::{expand, retarget};
+use crate::edit::expand::{Following, expand, retarget};
 use crate::edit::facing::Turns;
 use crate::edit::groups::{Group, for_each_stale, spatial_groups, temporal_groups};
-use crate::edit::hold::Phase;
+use crate::edit::hold::{Hold, Phase};
+use crate::edit::moved::EditedCharacter;
 use crate::edit::note::EditNote;
 use crate::edit::settings::{Backend, SpatialSettings};
 use crate::edit::spatial::{SpatialComponent, SpatialError};
@@ -44,19 +47,6 @@ pub enum Target {
     Seconds(f64),
 }
 
-/// Motion path and times of one character after the edit.
-#[derive(Clone, Debug, PartialEq)]
-pub struct EditedCharacter {
-    /// Before the edit.
-    pub rest: RestPath,
-    /// Ground position of each working frame after the edit, metres.
-    pub positions: Vec<c64>,
-    /// Turn of the body against rest.
-    pub turns: Turns,
-    /// Scene time of each working frame, seconds; rising.
-    pub times: Vec<f64>,
-}
-
 /// Result of a solve.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Edit {
@@ -81,6 +71,10 @@ pub struct Editor {
     held: Vec<(usize, usize)>,
     /// Component and place in it of each temporal row, in the order of constraints.
     times: Vec<(usize, usize)>,
+    /// Rows relative to objects that move, each with what it binds at present.
+    following: Vec<(Following, Hold)>,
+    settings: SpatialSettings,
+    backend: Backend,
 }
 
 impl Editor {
@@ -111,7 +105,8 @@ impl Editor {
         });
         let edit = Edit { characters: characters.collect(), energy: Energy::default(), notes: Vec::new() };
         let extents = edit.characters.iter().map(extent).collect();
-        Self { scene, edit, extents, spatial, temporal, held, times }
+        let following = expansion.following.iter().map(|row| (*row, expansion.held[row.row].hold)).collect();
+        Self { scene, edit, extents, spatial, temporal, held, times, following, settings, backend }
     }
 
     /// The second half of [`Editor::new`]; [`Editor::solve`] does it where it was not done.
@@ -177,13 +172,12 @@ impl Editor {
     }
 
     fn retarget(&mut self, constraint: ConstraintId, target: Target) {
-        let kind = &self.scene.constraints[constraint.as_usize()].kind;
         let of_row = |(group, row): (usize, usize)| self.spatial[group].component.held[row].row.constraint;
         let mut changed = Vec::new();
         for (group, row) in self.held[rows_of(constraint, &self.held, of_row)].iter().copied() {
             let Group { component, stale, .. } = &mut self.spatial[group];
             *stale = true;
-            if retarget(&mut component.held[row].row, kind, &self.scene.objects) {
+            if retarget(&mut component.held[row].row, &self.scene) {
                 changed.push(group);
             }
         }
@@ -199,25 +193,43 @@ impl Editor {
     }
 
     /// Solves times, then paths, for the present targets; those of connected characters none of whose targets moved stay
-    /// as they are. Cost: linear in frames of the others; in characters.
+    /// as they are. Cost: linear in frames of the others; in characters. Where places relative to carried objects are held,
+    /// a few times that, with all systems assembled anew.
     ///
     /// # Errors
-    /// Contradicting hard constraints, hard times that the bounds do not allow, or a solver that gives up; then
-    /// [`Editor::edit`] is still the result of the last solve that succeeded.
+    /// Contradicting hard constraints, hard times that the bounds do not allow, carries that overlap, or a solver that gives
+    /// up; then [`Editor::edit`] is still the result of the last solve that succeeded.
     pub fn solve(&mut self) -> Result<&Edit, EditError> {
         let scene = &self.scene;
         for_each_stale(&mut self.temporal, |group| solve_times(scene, group))?;
-        for_each_stale(&mut self.spatial, |group| {
-            group.component.solve().map_err(|error| space_error(scene, &group.characters, error))
-        })?;
-        self.take_results();
+        if self.scene.carries.is_empty() && self.following.is_empty() {
+            self.solve_space()?;
+            self.take_times();
+        } else {
+            let before = self.edit.characters.clone();
+            self.take_times();
+            if let Err(error) = self.solve_with_objects() {
+                self.edit.characters = before;
+                self.temporal.iter_mut().for_each(|group| group.stale = true);
+                self.spatial.iter_mut().for_each(|group| group.stale = true);
+                return Err(error);
+            }
+        }
+        self.take_paths();
         self.update_energy();
         self.edit.notes = self.notes();
         Ok(&self.edit)
     }
 
-    /// Exchanges stale results for those of their components, once all are solved.
-    fn take_results(&mut self) {
+    fn solve_space(&mut self) -> Result<(), EditError> {
+        let scene = &self.scene;
+        for_each_stale(&mut self.spatial, |group| {
+            group.component.solve().map_err(|error| space_error(scene, &group.characters, error))
+        })
+    }
+
+    /// Exchanges stale times for those of their components, once all are solved.
+    fn take_times(&mut self) {
         for group in self.temporal.iter_mut().filter(|group| group.stale) {
             for (times, character) in group.component.times.iter_mut().zip(&group.characters) {
                 std::mem::swap(&mut self.edit.characters[*character].times, times);
@@ -226,6 +238,10 @@ impl Editor {
             }
             group.stale = false;
         }
+    }
+
+    /// Exchanges stale paths for those of their components, once all are solved.
+    fn take_paths(&mut self) {
         for group in self.spatial.iter_mut().filter(|group| group.stale) {
             let SpatialComponent { edited, bodies, .. } = &mut group.component;
             for ((edited, body), character) in edited.iter_mut().zip(bodies).zip(&group.characters) {

@@ -67,6 +67,29 @@ pub enum EditError {
         /// Where it turns.
         frame: usize,
     },
+    /// Somebody grasps an object that another carry still has.
+    #[error(
+        "{first} and {second} overlap by {seconds:.6} s: an object is carried by one [[carry]] at a time"
+    )]
+    CarriesOverlap {
+        /// The one that has it.
+        first: Named,
+        /// The one that begins too early.
+        second: Named,
+        /// By how much.
+        seconds: f64,
+    },
+    /// A place relative to an object that whoever is to be there carries just then.
+    #[error("{constraint} holds somebody relative to what they carry just then, by {carry}")]
+    OwnLoad {
+        /// Which.
+        constraint: Named,
+        /// The carry.
+        carry: Named,
+    },
+    /// Places relative to carried objects change where these are grasped, and that changes the places, without end.
+    #[error("{}: no place relative to what is carried stays, as it moves those who carry", list(.0))]
+    Unsettled(Vec<Named>),
     /// The bounded time problem could not be solved.
     #[error("the time steps of {characters} could not be kept in bounds")]
     Bounds {

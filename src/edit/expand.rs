@@ -4,9 +4,10 @@ use crate::constraint::{Constraint, ConstraintKind, Moment, Partner, Relation, S
 use crate::edit::hold::{HeldRow, Hold, Place};
 use crate::edit::time_row::{TimePoint, TimeRow};
 use crate::geometry::{c64, cis, plan_of};
-use crate::index::ConstraintId;
+use crate::index::{CharacterId, ConstraintId, ObjectId};
+use crate::object_motion::{AtRest, ObjectMotion, Performance, object_motions};
 use crate::path::{self, RestPath};
-use crate::scene::{Object, Scene};
+use crate::scene::Scene;
 
 /// Frames between the samples of an interval.
 const SAMPLE_STRIDE: f64 = 10.0;
@@ -18,18 +19,49 @@ pub struct Expansion {
     pub held: Vec<HeldRow>,
     /// Temporal rows, in the order of the constraints.
     pub times: Vec<TimeRow>,
+    /// Spatial rows relative to objects that move, rising.
+    pub following: Vec<Following>,
+}
+
+/// A row relative to an object that moves. What it binds is known once times are; before, it is as at rest.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Following {
+    /// Position in [`Expansion::held`].
+    pub row: usize,
+    /// Which object.
+    pub object: ObjectId,
+    /// Who and when.
+    pub at: Place,
+    /// What the constraint wanted if it asked for what was before the edit.
+    pub before: Wanted,
+}
+
+/// What a row wants relative to an object.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Wanted {
+    /// Ahead + i·left of the object, metres.
+    Offset(c64),
+    /// Facing minus the object's, radians.
+    Facing(f64),
 }
 
 /// Expands every constraint of `scene`, whose characters have the rest paths `rests`.
 pub fn expand(scene: &Scene, rests: &[RestPath]) -> Expansion {
+    let objects = object_motions(scene, &AtRest(scene));
+    let rest = Rest { scene, rests, objects: &objects };
     let mut expansion = Expansion::default();
     for (index, Constraint { strength, kind, .. }) in scene.constraints.iter().enumerate() {
         let constraint = ConstraintId::from_usize(index);
-        expansion.held.extend(holds(scene, rests, kind).into_iter().map(|(hold, share)| HeldRow {
-            constraint,
-            strength: shared(*strength, share),
-            hold,
-        }));
+        for Sample { hold, share, follows } in holds(&rest, kind) {
+            let row = expansion.held.len();
+            expansion.following.extend(follows.map(|(object, before)| Following {
+                row,
+                object,
+                at: hold.at(),
+                before,
+            }));
+            expansion.held.push(HeldRow { constraint, strength: shared(*strength, share), hold });
+        }
         expansion.times.extend(ties(scene, kind).into_iter().map(|tie| TimeRow {
             constraint,
             strength: shared(*strength, tie.share),
@@ -41,27 +73,53 @@ pub fn expand(scene: &Scene, rests: &[RestPath]) -> Expansion {
     expansion
 }
 
+/// The scene before the edit.
+struct Rest<'a> {
+    scene: &'a Scene,
+    rests: &'a [RestPath],
+    objects: &'a [ObjectMotion],
+}
+
+/// What is held at one instant.
+struct Sample {
+    hold: Hold,
+    /// Of an interval, frames.
+    share: Option<f64>,
+    /// The object that moves, and what was before the edit.
+    follows: Option<(ObjectId, Wanted)>,
+}
+
 /// What a spatial constraint holds at each of its samples, with the sample's share of an interval.
-fn holds(scene: &Scene, rests: &[RestPath], kind: &ConstraintKind) -> Vec<(Hold, Option<f64>)> {
+fn holds(rest: &Rest<'_>, kind: &ConstraintKind) -> Vec<Sample> {
+    let (scene, rests) = (rest.scene, rest.rests);
     let mut all = Vec::new();
+    let alone = |share: Option<f64>| move |hold: Hold| Sample { hold, share, follows: None };
     match kind {
         ConstraintKind::Pin { when, position, facing } => {
             for (frame, share) in samples(scene, when) {
                 let at = place(scene, rests, when, frame);
-                all.extend(position.map(|target| (Hold::Position { at, target }, share)));
-                all.extend(facing.map(|heading| (Hold::Facing { at, heading }, share)));
+                all.extend(position.map(|target| Hold::Position { at, target }).map(alone(share)));
+                all.extend(facing.map(|heading| Hold::Facing { at, heading }).map(alone(share)));
             }
         }
         ConstraintKind::Relative { when, partner, offset, facing } => {
             for (frame, to, share) in pairs(scene, when, partner) {
                 let at = place(scene, rests, when, frame);
-                let frame = match (to, partner) {
-                    (Some((when, frame)), _) => Frame::Body(place(scene, rests, when, frame)),
-                    (None, Partner::Object(object)) => Frame::Object(&scene.objects[object.as_usize()]),
-                    (None, Partner::Character(_)) => continue,
-                };
-                let holds = relative_holds(rests, at, frame, (*offset, *facing));
-                all.extend(holds.into_iter().flatten().map(|hold| (hold, share)));
+                match (to, partner) {
+                    (Some((when, frame)), _) => {
+                        let to = place(scene, rests, when, frame);
+                        let holds = body_holds(rests, (at, to), (*offset, *facing));
+                        all.extend(holds.into_iter().flatten().map(alone(share)));
+                    }
+                    (None, Partner::Object(object)) => {
+                        let holds = object_holds(rest, at, *object, (*offset, *facing));
+                        all.extend(holds.into_iter().flatten().map(|(hold, before)| {
+                            let follows = scene.moves(*object).then_some((*object, before));
+                            Sample { hold, share, follows }
+                        }));
+                    }
+                    (None, Partner::Character(_)) => {}
+                }
             }
         }
         ConstraintKind::Time { .. } | ConstraintKind::Duration { .. } | ConstraintKind::Sync { .. } => {}
@@ -69,35 +127,33 @@ fn holds(scene: &Scene, rests: &[RestPath], kind: &ConstraintKind) -> Vec<(Hold,
     all
 }
 
-/// Whose facing and place a relative constraint counts from.
-enum Frame<'a> {
-    Body(Place),
-    Object(&'a Object),
-}
-
-fn relative_holds(
+fn body_holds(
     rests: &[RestPath],
-    at: Place,
-    frame: Frame,
+    (at, to): (Place, Place),
     (offset, facing): (Relation<c64>, Relation<f64>),
 ) -> [Option<Hold>; 2] {
-    let (origin, heading) = match frame {
-        Frame::Body(to) => (rest_point(rests, to), to.heading),
-        Frame::Object(object) => (object.position, object.facing),
-    };
-    let before = (rest_point(rests, at) - origin) * cis(-heading);
-    let offset = value(offset, before);
-    let angle = value(facing, at.heading - heading);
-    match frame {
-        Frame::Body(to) => [
-            offset.map(|offset| Hold::Offset { at, to, offset }),
-            angle.map(|angle| Hold::RelativeFacing { at, to, angle }),
-        ],
-        Frame::Object(_) => [
-            offset.map(|offset| Hold::Position { at, target: origin + cis(heading) * offset }),
-            angle.map(|angle| Hold::Facing { at, heading: heading + angle }),
-        ],
-    }
+    let before = (rest_point(rests, at) - rest_point(rests, to)) * cis(-to.heading);
+    [
+        value(offset, before).map(|offset| Hold::Offset { at, to, offset }),
+        value(facing, at.heading - to.heading).map(|angle| Hold::RelativeFacing { at, to, angle }),
+    ]
+}
+
+/// Place and facing relative to an object where it is at rest, each with its value before the edit.
+fn object_holds(
+    rest: &Rest<'_>,
+    at: Place,
+    object: ObjectId,
+    (offset, facing): (Relation<c64>, Relation<f64>),
+) -> [Option<(Hold, Wanted)>; 2] {
+    let performance = AtRest(rest.scene);
+    let seconds = performance.time(CharacterId::from_usize(at.path), at.frame);
+    let pose = rest.objects[object.as_usize()].pose_at(rest.scene, &performance, seconds);
+    let before = (rest_point(rest.rests, at) - pose.plan()) * cis(-pose.facing);
+    let turned = at.heading - pose.facing;
+    let position = value(offset, before).map(|offset| Hold::Position { at, target: pose.beside(offset) });
+    let heading = value(facing, turned).map(|angle| Hold::Facing { at, heading: pose.facing + angle });
+    [position.map(|hold| (hold, Wanted::Offset(before))), heading.map(|hold| (hold, Wanted::Facing(turned)))]
 }
 
 /// The value that a relation holds, if any; `before`: the one before the edit.
@@ -145,14 +201,8 @@ fn sync_ties(scene: &Scene, first: &When, other: &When, seconds: f64) -> Vec<Tie
     pairs(scene, first, &partner).into_iter().map(tie).collect()
 }
 
-/// Frame on its character's track of a moment.
-pub fn frame_of(scene: &Scene, moment: &Moment) -> f64 {
-    let track = &scene.characters[moment.character.as_usize()].track;
-    track.locate(moment.instant).expect("a checked scene's tracks show every frame that a moment names")
-}
-
 fn time_point(scene: &Scene, moment: &Moment) -> TimePoint {
-    TimePoint { track: moment.character.as_usize(), frame: frame_of(scene, moment) }
+    TimePoint { track: moment.character.as_usize(), frame: scene.frame_of(moment) }
 }
 
 /// Strength of one sample that stands for `share` frames of an interval; `None` at an instant.
@@ -166,8 +216,8 @@ fn shared(strength: Strength, share: Option<f64>) -> Strength {
 /// Frames at which a constraint is held, with their trapezoid shares of an interval.
 fn samples(scene: &Scene, when: &When) -> Vec<(f64, Option<f64>)> {
     match when {
-        When::At(moment) => vec![(frame_of(scene, moment), None)],
-        When::During(from, to) => interval(frame_of(scene, from), frame_of(scene, to))
+        When::At(moment) => vec![(scene.frame_of(moment), None)],
+        When::During(from, to) => interval(scene.frame_of(from), scene.frame_of(to))
             .into_iter()
             .map(|(frame, share)| (frame, Some(share)))
             .collect(),
@@ -202,8 +252,8 @@ fn pairs<'a>(scene: &Scene, when: &When, partner: &'a Partner) -> Vec<PairSample
     };
     let (first, last) = (own[0].0, own[own.len() - 1].0);
     let (start, end) = match other {
-        When::At(moment) => (frame_of(scene, moment), frame_of(scene, moment)),
-        When::During(from, to) => (frame_of(scene, from), frame_of(scene, to)),
+        When::At(moment) => (scene.frame_of(moment), scene.frame_of(moment)),
+        When::During(from, to) => (scene.frame_of(from), scene.frame_of(to)),
     };
     let at = |frame: f64| {
         if last > first { start + (frame - first) / (last - first) * (end - start) } else { start }
@@ -213,14 +263,20 @@ fn pairs<'a>(scene: &Scene, when: &When, partner: &'a Partner) -> Vec<PairSample
 
 /// The instant at a track frame, with what the rest motion says there.
 fn place(scene: &Scene, rests: &[RestPath], when: &When, frame: f64) -> Place {
-    let path = when.character().as_usize();
+    let who = when.character();
+    place_at(scene, &rests[who.as_usize()], who, frame)
+}
+
+/// The instant at a frame of a character's track, with what its rest motion says there.
+pub fn place_at(scene: &Scene, rest: &RestPath, who: CharacterId, frame: f64) -> Place {
+    let path = who.as_usize();
     let track = &scene.characters[path].track;
-    let whole = (frame - frame.round()).abs() < 1e-9 && frame.round() < rests[path].len() as f64;
+    let whole = (frame - frame.round()).abs() < 1e-9 && frame.round() < rest.len() as f64;
     let frame = if whole { frame.round() } else { frame };
     let detail = if whole {
         c64::default()
     } else {
-        plan_of(track.pose(frame).root) - path::at(&rests[path].positions, frame)
+        plan_of(track.pose(frame).root) - path::at(&rest.positions, frame)
     };
     Place { path, frame, heading: track.heading(frame), detail }
 }
@@ -231,44 +287,37 @@ fn rest_point(rests: &[RestPath], place: Place) -> c64 {
 }
 
 /// Sets the numbers of `row` anew from its constraint, whose structure has not changed; `true` if coefficients changed
-/// rather than targets.
-pub fn retarget(row: &mut HeldRow, kind: &ConstraintKind, objects: &[Object]) -> bool {
-    let (held_offset, held_facing, object) = match kind {
+/// rather than targets. Rows relative to objects that move stay as they are: the next solve sets them.
+pub fn retarget(row: &mut HeldRow, scene: &Scene) -> bool {
+    match &scene.constraints[row.constraint.as_usize()].kind {
         ConstraintKind::Pin { position, facing, .. } => {
             match &mut row.hold {
                 Hold::Position { target, .. } => *target = position.unwrap_or(*target),
                 Hold::Facing { heading, .. } => *heading = facing.unwrap_or(*heading),
                 Hold::Offset { .. } | Hold::RelativeFacing { .. } => {}
             }
-            return false;
+            false
         }
-        ConstraintKind::Relative { offset, facing, partner, .. } => {
-            let object = match partner {
-                Partner::Object(object) => Some(&objects[object.as_usize()]),
-                Partner::Character(_) => None,
-            };
-            (offset, facing, object)
+        ConstraintKind::Relative { offset, facing, partner: Partner::Character(_), .. } => {
+            match &mut row.hold {
+                Hold::Offset { offset: own, .. } => replace(own, offset),
+                Hold::RelativeFacing { angle, .. } => replace(angle, facing),
+                Hold::Position { .. } | Hold::Facing { .. } => false,
+            }
         }
-        ConstraintKind::Time { .. } | ConstraintKind::Duration { .. } | ConstraintKind::Sync { .. } => {
-            return false;
-        }
-    };
-    match (&mut row.hold, object) {
-        (Hold::Position { target, .. }, Some(object)) => {
-            if let Relation::Given(offset) = held_offset {
-                *target = object.position + cis(object.facing) * offset;
+        ConstraintKind::Relative { offset, facing, partner: Partner::Object(object), .. } => {
+            if scene.moves(*object) {
+                return false;
+            }
+            let pose = scene.objects[object.as_usize()].course.pose_at(0.0);
+            match (&mut row.hold, offset, facing) {
+                (Hold::Position { target, .. }, Relation::Given(offset), _) => *target = pose.beside(*offset),
+                (Hold::Facing { heading, .. }, _, Relation::Given(angle)) => *heading = pose.facing + angle,
+                _ => {}
             }
             false
         }
-        (Hold::Facing { heading, .. }, Some(object)) => {
-            if let Relation::Given(angle) = held_facing {
-                *heading = object.facing + angle;
-            }
-            false
-        }
-        (Hold::Offset { offset, .. }, _) => replace(offset, held_offset),
-        (Hold::RelativeFacing { angle, .. }, _) => replace(angle, held_facing),
-        (Hold::Position { .. } | Hold::Facing { .. }, None) => false,
+        ConstraintKind::Time { .. } | ConstraintKind::Duration { .. } | ConstraintKind::Sync { .. } => false,
     }
 }
 

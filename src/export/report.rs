@@ -5,14 +5,21 @@ use serde::Serialize;
 use crate::clip::Clip;
 use crate::constraint::Strength;
 use crate::edit::energy::{Energy, length};
-use crate::edit::{Edit, EditedCharacter};
+use crate::edit::{Edit, EditedCharacter, Moved};
+use crate::effector::EndEffector;
+use crate::geometry::{c64, wrap};
 use crate::index::floor_index;
 use crate::metrics::foot_slide;
+use crate::object_motion::{ObjectMotion, Owner, object_motions};
+use crate::reach::{REACHED, Stage, effector_residuals};
 use crate::resample::{Resampled, rest_clip, shown_contacts, time_of};
 use crate::residual::{MomentTime, Residual, largest, moment_times, residuals};
 use crate::scene::{Character, Scene};
 
 use crate::clip::working::WORKING_STEP;
+
+/// Places of an object that moves are told so far apart, seconds.
+const PLACES_APART: f64 = 0.1;
 
 /// The whole report. Lengths in metres, times in seconds, angles in degrees.
 #[derive(Clone, Debug, Serialize)]
@@ -28,6 +35,8 @@ pub struct Report {
     /// As in the scene.
     pub characters: Vec<CharacterReport>,
     /// As in the scene.
+    pub objects: Vec<ObjectReport>,
+    /// As in the scene, end effectors last.
     pub constraints: Vec<ConstraintReport>,
     /// Moments that constraints name.
     pub moments: Vec<MomentReport>,
@@ -85,14 +94,58 @@ pub struct DiscreteReport {
     pub kind: String,
 }
 
+/// One object's share of a report.
+#[derive(Clone, Debug, Serialize)]
+pub struct ObjectReport {
+    /// As in the scene.
+    pub name: String,
+    /// Ground length of its way, metres.
+    pub path_length: f64,
+    /// Where it is every tenth of a second and at the last output frame; once, if it stands still.
+    pub path: Vec<ObjectPlace>,
+    /// Who has it from when to when, without gap from the first output frame to the last.
+    pub owners: Vec<OwnerReport>,
+}
+
+/// Where an object is at one time.
+#[derive(Clone, Copy, Debug, Serialize)]
+pub struct ObjectPlace {
+    /// Scene time, seconds.
+    pub time: f64,
+    /// Middle of its base, `[x, -z]`, metres.
+    pub position: [f64; 2],
+    /// Of its base above the ground, metres.
+    pub height: f64,
+    /// Degrees.
+    pub facing: f64,
+}
+
+/// Who has an object for a while.
+#[derive(Clone, Debug, Serialize)]
+pub struct OwnerReport {
+    /// `itself` (it stands where it was at first, or moves by its keys), `carried`, `left`.
+    pub kind: &'static str,
+    /// Who carries it.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub by: Vec<String>,
+    /// Name of the carry that carries it, or left it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub carry: Option<String>,
+    /// Scene time, seconds.
+    pub from: f64,
+    /// Scene time, seconds.
+    pub to: f64,
+}
+
 /// One constraint's share of a report.
 #[derive(Clone, Debug, Serialize)]
 pub struct ConstraintReport {
     /// Its name.
     pub name: String,
-    /// `pin`, `relative`, `time`, `duration`, `sync`.
+    /// `pin`, `relative`, `time`, `duration`, `sync`, `end_effector`.
     pub kind: &'static str,
-    /// `"hard"`, or the weight.
+    /// `"hard"`, or the weight; end effectors have none.
+    #[serde(skip_serializing_if = "serde_json::Value::is_null")]
     pub strength: serde_json::Value,
     /// On the final motion, at the moments themselves.
     pub residual: f64,
@@ -104,6 +157,9 @@ pub struct ConstraintReport {
     /// Of a held facing, degrees.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub facing_residual: Option<f64>,
+    /// Of an end effector that is not reached, metres.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub shortfall: Option<f64>,
 }
 
 /// When a moment happens.
@@ -134,6 +190,10 @@ pub fn report(scene: &Scene, edit: &Edit, resampled: &Resampled) -> Report {
     let characters = scene.characters.iter().zip(&edit.characters).zip(&resampled.clips);
     let constraints = scene.constraints.iter().zip(residuals(scene, edit));
     let clock = (scene.fps, resampled.start_time);
+    let moved = Moved { scene, characters: &edit.characters };
+    let objects = object_motions(scene, &moved);
+    let reached = effector_residuals(&Stage { scene, performance: &moved, objects: &objects });
+    let effectors = scene.end_effectors.iter().zip(reached);
     Report {
         scene: scene.title.clone(),
         cotillion: env!("CARGO_PKG_VERSION"),
@@ -142,8 +202,10 @@ pub fn report(scene: &Scene, edit: &Edit, resampled: &Resampled) -> Report {
         characters: characters
             .map(|((character, edited), clip)| character_report(clock, character, edited, clip))
             .collect(),
+        objects: objects.iter().map(|motion| object_report(&moved, motion, resampled)).collect(),
         constraints: constraints
             .map(|(constraint, residual)| constraint_report(constraint, &residual))
+            .chain(effectors.map(|(effector, residual)| effector_report(effector, residual)))
             .collect(),
         moments: moment_times(scene, edit)
             .into_iter()
@@ -196,5 +258,63 @@ fn constraint_report(constraint: &crate::constraint::Constraint, residual: &Resi
         unit,
         path_residual: residual.path_position,
         facing_residual: residual.facing.map(f64::to_degrees),
+        shortfall: None,
     }
+}
+
+fn effector_report(effector: &EndEffector, residual: f64) -> ConstraintReport {
+    ConstraintReport {
+        name: effector.name.clone(),
+        kind: "end_effector",
+        strength: serde_json::Value::Null,
+        residual,
+        unit: "m",
+        path_residual: None,
+        facing_residual: None,
+        shortfall: (residual > REACHED).then_some(residual),
+    }
+}
+
+fn object_report(moved: &Moved<'_>, motion: &ObjectMotion, resampled: &Resampled) -> ObjectReport {
+    let scene = moved.scene;
+    let frames = resampled.clips.iter().map(Clip::frame_count).max().unwrap_or(1);
+    let (start, end) = (resampled.start_time, resampled.start_time + (frames - 1) as f64 / scene.fps);
+    let place = |time: f64| {
+        let pose = motion.pose_at(scene, moved, time);
+        let position = pose.plan();
+        ObjectPlace {
+            time,
+            position: [position.re, position.im],
+            height: pose.position.y,
+            facing: wrap(pose.facing).to_degrees(),
+        }
+    };
+    let steps = if scene.moves(motion.object) { ((end - start) / PLACES_APART - 1e-9).ceil() } else { 0.0 };
+    let path: Vec<ObjectPlace> =
+        (0..=floor_index(steps)).map(|k| place((start + k as f64 * PLACES_APART).min(end))).collect();
+    let plan: Vec<c64> = path.iter().map(|place| c64::new(place.position[0], place.position[1])).collect();
+    let spans = motion.spans.iter().map(|span| (span, span.from.max(start), span.to.min(end)));
+    ObjectReport {
+        name: scene.objects[motion.object.as_usize()].name.clone(),
+        path_length: length(&plan),
+        owners: spans
+            .filter(|(_, from, to)| from < to)
+            .map(|(span, from, to)| owner_report(scene, &span.owner, (from, to)))
+            .collect(),
+        path,
+    }
+}
+
+fn owner_report(scene: &Scene, owner: &Owner, (from, to): (f64, f64)) -> OwnerReport {
+    let carry = |index: usize| &scene.carries[index];
+    let (kind, by, carry) = match owner {
+        Owner::Itself => ("itself", Vec::new(), None),
+        Owner::Carried(hold) => {
+            let who = carry(hold.carry).by.iter();
+            let names = who.map(|who| scene.characters[who.as_usize()].name.clone());
+            ("carried", names.collect(), Some(carry(hold.carry).name.clone()))
+        }
+        Owner::Left { carry: index, .. } => ("left", Vec::new(), Some(carry(*index).name.clone())),
+    };
+    OwnerReport { kind, by, carry, from, to }
 }

@@ -4,15 +4,17 @@ use std::collections::BTreeMap;
 use std::path::Path;
 use std::sync::Arc;
 
-use crate::constraint::{Constraint, Instant};
-use crate::scene::checker::{Checked, FARTHEST, check_intervals, plan_point};
+use crate::constraint::Instant;
+use crate::scene::checker::{Checked, check_intervals, plan_point};
 use crate::scene::clips::{self, ClipFolders, Declared, Folders, check_name, within};
 use crate::scene::constraints;
 use crate::scene::moment::{Entry, Member};
 use crate::scene::report::{At, Lines, Place, Report};
 use crate::scene::tree::Field;
 use crate::scene::values;
-use crate::scene::{Character, Mode, Object, Scene, Warp, raw, refuse, ties};
+use crate::scene::{
+    Character, FullBody, Mode, Plants, Scene, Warp, effectors, objects, raw, refuse, things, ties,
+};
 use crate::track::{Protected, SeamChoice, Track};
 
 /// The scene that `raw` describes; whatever is wrong with it is in `report`, and the scene is then of no use.
@@ -30,13 +32,14 @@ pub fn check(
     let folders = Folders { scene: folder, mocap: folders.mocap.as_deref() };
     let clips = clips::declared(raw, folders, report);
     let cast = cast(raw, &clips, report);
-    let objects = objects(raw, report);
+    let objects = objects::objects(raw, report);
     check_unique(raw, report);
     let checked = match raw.character {
         Field::Spoiled => Checked::default(),
         _ => constraints::check(raw, &cast, lines, report),
     };
     ties::warn_of_untied(&checked, &cast, report);
+    objects::check_order(&checked, &cast, report);
     let characters = characters(raw, &cast, &checked, report);
     Scene {
         title: raw.title.value().cloned().unwrap_or_else(|| {
@@ -50,7 +53,10 @@ pub fn check(
         characters,
         objects,
         constraints: checked.constraints,
+        carries: checked.carries,
+        end_effectors: checked.end_effectors,
         warp: warp(&raw.warp, report),
+        full_body: full_body(&raw.full_body),
     }
 }
 
@@ -67,6 +73,20 @@ fn warp(field: &Field<raw::Warp>, report: &mut Report) -> Warp {
         step.value
     });
     Warp { min_step, max_step }
+}
+
+fn full_body(stage: &Field<things::FullBody>) -> FullBody {
+    let default = FullBody::default();
+    let Some(stage) = stage.value() else {
+        return default;
+    };
+    FullBody {
+        enabled: stage.enabled.value().copied().unwrap_or(default.enabled),
+        plants: match stage.plants.value() {
+            Some(values::Plants::Pinned) => Plants::Pinned,
+            Some(values::Plants::AsCaptured) | None => Plants::AsCaptured,
+        },
+    }
 }
 
 fn cast(raw: &raw::Scene, clips: &[Declared], report: &mut Report) -> Vec<Member> {
@@ -116,33 +136,6 @@ fn member(character: &raw::Character, clips: &[Declared], used: &mut [bool], rep
     member
 }
 
-fn objects(raw: &raw::Scene, report: &mut Report) -> Vec<Object> {
-    raw.object.tables().iter().filter_map(|object| sound_object(object, report)).collect()
-}
-
-fn sound_object(object: &At<raw::Object>, report: &mut Report) -> Option<Object> {
-    let At { value: raw, place } = object;
-    if let Some(name) = raw.name.given() {
-        check_name(name, "object", report);
-    }
-    if raw.position.is_absent() && raw.keys.is_absent() {
-        let help = "add position = [x, -z]: the middle of its base on the ground";
-        report.fault(place, "the object has no \"position\"", help);
-    }
-    for side in raw.size.value().into_iter().flatten() {
-        if side.value <= 0.0 || side.value > FARTHEST {
-            let message = format!("{} metres is no side of an object", side.value);
-            report.fault(&side.place, message, format!("write a number above 0 and at most {FARTHEST}"));
-        }
-    }
-    Some(Object {
-        name: raw.name.value()?.clone(),
-        size: raw.size.value()?.each_ref().map(|side| side.value),
-        position: plan_point(raw.position.given()?, report),
-        facing: raw.facing.value().map_or(0.0, |degrees| degrees.to_radians()),
-    })
-}
-
 /// Reports characters and objects that share a name.
 fn check_unique(raw: &raw::Scene, report: &mut Report) {
     let characters = raw.character.tables().iter().map(|character| (&character.value.name, "character"));
@@ -173,10 +166,11 @@ fn characters(raw: &raw::Scene, cast: &[Member], checked: &Checked, report: &mut
         .tables()
         .iter()
         .zip(cast)
-        .zip(protected(cast.len(), &checked.constraints))
+        .zip(protected(cast.len(), checked))
         .map(|((character, member), protected)| track(&character.value, member, &protected, report))
         .collect();
     check_intervals(checked, cast, &tracks, report);
+    effectors::warn_of_lonely(checked, &tracks, report);
     cast.iter()
         .zip(tracks)
         .filter_map(|(member, track)| {
@@ -187,9 +181,9 @@ fn characters(raw: &raw::Scene, cast: &[Member], checked: &Checked, report: &mut
 }
 
 /// Frames that moments name, of each of `count` characters.
-fn protected(count: usize, constraints: &[Constraint]) -> Vec<Vec<Protected>> {
+fn protected(count: usize, checked: &Checked) -> Vec<Vec<Protected>> {
     let mut frames = vec![Vec::new(); count];
-    for moment in constraints.iter().flat_map(|constraint| constraint.kind.moments()) {
+    for moment in checked.moments() {
         if let Instant::Frame { entry, working } = moment.instant {
             frames[moment.character.as_usize()].push(Protected {
                 entry,

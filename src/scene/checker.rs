@@ -3,7 +3,9 @@
 use std::collections::BTreeMap;
 
 use crate::constraint::{Constraint, ConstraintKind, Instant, Moment, Strength, When};
+use crate::effector::EndEffector;
 use crate::geometry::c64;
+use crate::object::Carry;
 use crate::scene::clips::check_name;
 use crate::scene::moment::{self, Member, Unresolved};
 use crate::scene::report::{At, Lines, Place, Report};
@@ -29,6 +31,23 @@ pub struct Checked {
     pub places: Vec<Place>,
     /// Every interval, beginning and end, of one character each.
     pub intervals: Vec<(Moment, Moment, Place)>,
+    /// In the order of the file.
+    pub carries: Vec<Carry>,
+    /// Where each carry says when.
+    pub carry_places: Vec<Place>,
+    /// In the order of the file.
+    pub end_effectors: Vec<EndEffector>,
+    /// Where each of these stands.
+    pub effector_places: Vec<Place>,
+}
+
+impl Checked {
+    /// Every moment that something names.
+    pub fn moments(&self) -> impl Iterator<Item = &Moment> {
+        let constraints = self.constraints.iter().flat_map(|constraint| constraint.kind.moments());
+        let carries = self.carries.iter().flat_map(|carry| [&carry.during.0, &carry.during.1]);
+        constraints.chain(carries).chain(self.end_effectors.iter().flat_map(EndEffector::moments))
+    }
 }
 
 /// The plan point `[x, −z]`, reported where it is out of this world.
@@ -52,8 +71,6 @@ pub struct Head<'a> {
     pub place: &'a Place,
     /// Its author's name for it.
     pub name: &'a Field<String>,
-    /// How strongly it holds.
-    pub strength: &'a Field<values::Strength>,
 }
 
 /// Checks constraints one by one, against a cast and its objects.
@@ -62,6 +79,8 @@ pub struct Checker<'a> {
     pub cast: &'a [Member],
     /// Names of the objects, in the order of the file; empty where a name is at fault.
     pub objects: Vec<&'a str>,
+    /// Which of them move by keys.
+    pub keyed: Vec<bool>,
     /// Of the file.
     pub lines: &'a Lines<'a>,
     /// What is wrong so far.
@@ -74,10 +93,26 @@ pub struct Checker<'a> {
 
 impl Checker<'_> {
     /// Adds the constraint with the head `head`, where `kind` is sound.
-    pub fn keep(&mut self, head: Head<'_>, kind: Option<ConstraintKind>) {
-        let Head { keyword, index, place, name, strength } = head;
-        let own = format!("{keyword}[{index}]");
+    pub fn keep(&mut self, head: Head<'_>, strength: &Field<values::Strength>, kind: Option<ConstraintKind>) {
         let strength = self.strength(strength);
+        let (name, line) = self.called(&head);
+        let Some(kind) = kind else {
+            return;
+        };
+        if matches!(strength, Strength::Hard) && holds_interval(&kind) {
+            let message = "a hard constraint over an interval holds at every sample and is easily too much";
+            let help =
+                "leave \"strength\" out or give it a weight, unless nothing else bears on the interval";
+            self.report.warn(head.place, message, help);
+        }
+        self.checked.constraints.push(Constraint { name, line, strength, kind });
+        self.checked.places.push(head.place.clone());
+    }
+
+    /// What a table is called, and the line of the file where it stands, from 1.
+    pub fn called(&mut self, head: &Head<'_>) -> (String, u32) {
+        let Head { keyword, index, place, name } = *head;
+        let own = format!("{keyword}[{index}]");
         if let Some(name) = name.given() {
             check_name(name, "constraint", self.report);
         }
@@ -87,18 +122,8 @@ impl Checker<'_> {
             let place = name.given().map_or(place, |name| &name.place);
             self.report.fault(place, message, "give each constraint a name of its own, or none");
         }
-        let Some(kind) = kind else {
-            return;
-        };
-        if matches!(strength, Strength::Hard) && holds_interval(&kind) {
-            let message = "a hard constraint over an interval holds at every sample and is easily too much";
-            let help =
-                "leave \"strength\" out or give it a weight, unless nothing else bears on the interval";
-            self.report.warn(place, message, help);
-        }
         let line = u32::try_from(self.lines.position(place.span.start).0).unwrap_or(u32::MAX);
-        self.checked.constraints.push(Constraint { name: called, line, strength, kind });
-        self.checked.places.push(place.clone());
+        (called, line)
     }
 
     fn strength(&mut self, strength: &Field<values::Strength>) -> Strength {
@@ -171,16 +196,16 @@ impl Checker<'_> {
             }
         }
     }
+}
 
-    /// A time within reason.
-    pub fn seconds(&mut self, seconds: &Field<f64>) -> Option<f64> {
-        let At { value, place } = seconds.given()?;
-        if value.abs() > LONGEST {
-            let message = format!("{value} seconds is too far away");
-            self.report.fault(place, message, format!("stay within {LONGEST} seconds"));
-        }
-        Some(*value)
+/// A time within reason.
+pub fn seconds_within(seconds: &Field<f64>, report: &mut Report) -> Option<f64> {
+    let At { value, place } = seconds.given()?;
+    if value.abs() > LONGEST {
+        let message = format!("{value} seconds is too far away");
+        report.fault(place, message, format!("stay within {LONGEST} seconds"));
     }
+    Some(*value)
 }
 
 fn holds_interval(kind: &ConstraintKind) -> bool {

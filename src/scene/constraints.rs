@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use crate::constraint::{ConstraintKind, Partner, Relation, When};
 use crate::geometry::c64;
 use crate::index::ObjectId;
-use crate::scene::checker::{Checked, Checker, Head, plan_point};
+use crate::scene::checker::{Checked, Checker, Head, plan_point, seconds_within};
 use crate::scene::moment::Member;
 use crate::scene::raw;
 use crate::scene::report::{At, Lines, Place, Report};
@@ -20,6 +20,7 @@ pub fn check(raw: &raw::Scene, cast: &[Member], lines: &Lines<'_>, report: &mut 
     let mut checker = Checker {
         cast,
         objects: objects.collect(),
+        keyed: raw.object.tables().iter().map(|object| !object.value.keys.is_absent()).collect(),
         lines,
         report,
         names: BTreeMap::new(),
@@ -31,12 +32,18 @@ pub fn check(raw: &raw::Scene, cast: &[Member], lines: &Lines<'_>, report: &mut 
             for (index, table) in raw.$kind.tables().iter().enumerate() {
                 let kind = checker.$kind(table);
                 let (keyword, place) = (stringify!($kind), &table.place);
-                let (name, strength) = (&table.value.name, &table.value.strength);
-                checker.keep(Head { keyword, index, place, name, strength }, kind);
+                let name = &table.value.name;
+                checker.keep(Head { keyword, index, place, name }, &table.value.strength, kind);
             }
         )* };
     }
     keep_each!(pin relative time duration sync);
+    raw.carry.tables().iter().enumerate().for_each(|(index, table)| checker.carry(table, index));
+    raw.end_effector
+        .tables()
+        .iter()
+        .enumerate()
+        .for_each(|(index, table)| checker.end_effector(table, index));
     checker.checked
 }
 
@@ -87,19 +94,28 @@ impl Checker<'_> {
     }
 
     fn partner(&mut self, to: &At<OneOrPair>, when: Option<&When>) -> Option<Partner> {
+        match self.partner_when(to, when)? {
+            Ok(when) => Some(Partner::Character(when)),
+            Err(name) => self.object(name, &to.place).map(Partner::Object),
+        }
+    }
+
+    /// The moment of a partner, or with an interval the interval; `Err` with a name that is no moment.
+    pub fn partner_when<'t>(
+        &mut self,
+        to: &'t At<OneOrPair>,
+        when: Option<&When>,
+    ) -> Option<Result<When, &'t str>> {
         match (&to.value, when) {
-            (OneOrPair::One(name), _) if !name.contains(':') => self.object(name, &to.place),
+            (OneOrPair::One(name), _) if !name.contains(':') => Some(Err(name)),
             (OneOrPair::One(text), Some(When::During(..))) => {
-                let help = format!(
-                    "write to = [\"{text}\", …] with the two moments that bound the partner's interval"
-                );
+                let key = to.place.field.rsplit('.').next().unwrap_or_default();
+                let bounds = "with the two moments that bound the partner's interval";
+                let help = format!("write {key} = [\"{text}\", …] {bounds}");
                 self.report.fault(&to.place, "an interval needs an interval of the partner", help);
                 None
             }
-            (OneOrPair::One(text), _) => {
-                let moment = self.moment(text, &to.place)?;
-                Some(Partner::Character(When::At(moment)))
-            }
+            (OneOrPair::One(text), _) => self.moment(text, &to.place).map(|moment| Ok(When::At(moment))),
             (OneOrPair::Pair(_), Some(When::At(_))) => {
                 let help = "name one moment, or use \"during\" with two moments in place of \"at\"";
                 self.report.fault(&to.place, "an instant needs one moment of the partner", help);
@@ -107,14 +123,15 @@ impl Checker<'_> {
             }
             (OneOrPair::Pair(pair), _) => {
                 let (from, to) = self.interval(pair, &to.place)?;
-                Some(Partner::Character(When::During(from, to)))
+                Some(Ok(When::During(from, to)))
             }
         }
     }
 
-    fn object(&mut self, name: &str, place: &Place) -> Option<Partner> {
+    /// The object called `name`.
+    pub fn object(&mut self, name: &str, place: &Place) -> Option<ObjectId> {
         if let Some(object) = self.objects.iter().position(|known| *known == name) {
-            return Some(Partner::Object(ObjectId::from_usize(object)));
+            return Some(ObjectId::from_usize(object));
         }
         if self.cast.iter().any(|member| member.name == name) {
             let message = format!("\"{name}\" is a character: say at which moment");
@@ -129,14 +146,14 @@ impl Checker<'_> {
 
     fn time(&mut self, table: &At<raw::Time>) -> Option<ConstraintKind> {
         let time = &table.value;
-        let seconds = self.seconds(&time.seconds);
+        let seconds = seconds_within(&time.seconds, self.report);
         let at = time.at.given().and_then(|at| self.moment(&at.value, &at.place));
         Some(ConstraintKind::Time { at: at?, seconds: seconds? })
     }
 
     fn duration(&mut self, table: &At<raw::Duration>) -> Option<ConstraintKind> {
         let duration = &table.value;
-        let seconds = self.seconds(&duration.seconds);
+        let seconds = seconds_within(&duration.seconds, self.report);
         if let Some(given) = duration.seconds.given()
             && given.value <= 0.0
         {
@@ -177,7 +194,8 @@ impl Checker<'_> {
             let message = format!("an offset is between two, but this sync has {count}");
             self.report.fault(&offset.place, message, "make a [[sync]] of two for each offset");
         }
-        let offset = if sync.offset.is_absent() { Some(0.0) } else { self.seconds(&sync.offset) };
+        let offset =
+            if sync.offset.is_absent() { Some(0.0) } else { seconds_within(&sync.offset, self.report) };
         let moments = self.synchronized(sync);
         Some(ConstraintKind::Sync { moments: moments?, offset: offset? })
     }

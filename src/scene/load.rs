@@ -167,7 +167,7 @@ min_step = 0.5
         let scene = load(SOUND).expect("the scene is sound").scene;
         assert_eq!((scene.title.as_str(), scene.fps), ("meet", 30.0));
         assert_eq!(scene.warp.min_step, Some(0.5));
-        assert_eq!(scene.objects[0].position, c64::new(0.0, 2.0));
+        assert_eq!(scene.objects[0].course.pose_at(0.0).plan(), c64::new(0.0, 2.0));
         let names: Vec<_> = scene.constraints.iter().map(|constraint| constraint.name.as_str()).collect();
         assert_eq!(names, ["corner", "relative[0]", "relative[1]", "duration[0]", "sync[0]"]);
         assert_eq!(scene.constraints[0].line, 24);

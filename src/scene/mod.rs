@@ -5,21 +5,26 @@ pub mod checker;
 pub mod clips;
 pub mod constraints;
 pub mod diagnostic;
+pub mod effectors;
 pub mod load;
 pub mod moment;
+pub mod objects;
 pub mod raw;
 pub mod refuse;
 pub mod report;
 pub mod schema;
 pub mod sources;
 pub mod suggest;
+pub mod things;
 pub mod ties;
 pub mod tree;
 pub mod unavailable;
 pub mod values;
 
-use crate::constraint::Constraint;
-use crate::geometry::c64;
+use crate::constraint::{Constraint, Moment};
+use crate::effector::EndEffector;
+use crate::index::ObjectId;
+use crate::object::{Carry, Course, Object};
 use crate::track::Track;
 
 pub use clips::ClipFolders;
@@ -42,8 +47,14 @@ pub struct Scene {
     pub objects: Vec<Object>,
     /// Pins, relatives, times, durations, syncs, each kind in the order of the file.
     pub constraints: Vec<Constraint>,
+    /// In the order of the file, those of one object in the order of time; their objects are not keyframed.
+    pub carries: Vec<Carry>,
+    /// In the order of the file.
+    pub end_effectors: Vec<EndEffector>,
     /// Bounds on time steps, as multiples of the rest step; `None`: the mode's default.
     pub warp: Warp,
+    /// Feet and hands.
+    pub full_body: FullBody,
 }
 
 /// Whose settings: the method as published, or what serves users best.
@@ -65,19 +76,6 @@ pub struct Character {
     pub track: Track,
 }
 
-/// A thing that stands in the scene.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Object {
-    /// Unique among characters and objects.
-    pub name: String,
-    /// Ahead, up, across, metres.
-    pub size: [f64; 3],
-    /// Ground plan of the middle of its base, metres.
-    pub position: c64,
-    /// Radians.
-    pub facing: f64,
-}
-
 /// Bounds on time steps, as multiples of the rest step.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Warp {
@@ -85,4 +83,50 @@ pub struct Warp {
     pub min_step: Option<f64>,
     /// Largest; at least `min_step`.
     pub max_step: Option<f64>,
+}
+
+/// Settings of the full-body stage.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct FullBody {
+    /// Whether it runs.
+    pub enabled: bool,
+    /// How planted feet hold.
+    pub plants: Plants,
+}
+
+impl Default for FullBody {
+    fn default() -> Self {
+        Self { enabled: true, plants: Plants::default() }
+    }
+}
+
+/// How planted feet hold.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Plants {
+    /// With the small drift that their capture has: an edit that changes nothing changes nothing.
+    #[default]
+    AsCaptured,
+    /// Without any drift.
+    Pinned,
+}
+
+impl Scene {
+    /// Frame on its character's track of a moment.
+    pub fn frame_of(&self, moment: &Moment) -> f64 {
+        let track = &self.characters[moment.character.as_usize()].track;
+        track.locate(moment.instant).expect("a checked scene's tracks show every frame that a moment names")
+    }
+
+    /// Whether an object is ever elsewhere than at first.
+    pub fn moves(&self, object: ObjectId) -> bool {
+        matches!(self.objects[object.as_usize()].course, Course::Keys(_))
+            || self.carries.iter().any(|carry| carry.object == object)
+    }
+
+    /// Every moment that something names: constraints, carries, end effectors, in this order.
+    pub fn moments(&self) -> impl Iterator<Item = &Moment> {
+        let constraints = self.constraints.iter().flat_map(|constraint| constraint.kind.moments());
+        let carries = self.carries.iter().flat_map(|carry| [&carry.during.0, &carry.during.1]);
+        constraints.chain(carries).chain(self.end_effectors.iter().flat_map(EndEffector::moments))
+    }
 }

@@ -6,10 +6,11 @@ use schemars::JsonSchema;
 use toml::de::DeValue;
 
 use crate::scene::report::{At, Report};
+use crate::scene::things::{Carry, EndEffector, FullBody, Object};
 use crate::scene::tree::{Field, Keys, Node, Read, table, wrong_type};
-use crate::scene::unavailable::{Carry, Discrete, Drag, EndEffector, FullBody, ObjectKey, Physics};
+use crate::scene::unavailable::{Discrete, Drag, Physics};
 use crate::scene::values::{
-    Mode, Named, Offset, OneOrPair, Pair, RelativeFacing, Strength, Tables, Triple, Unit, Up,
+    Mode, Named, Offset, OneOrPair, Pair, RelativeFacing, Strength, Tables, Unit, Up,
 };
 
 table! {
@@ -166,26 +167,6 @@ table! {
             position: Pair<f64>,
             /// Where the body looks there, degrees counter-clockwise from +x seen from above; left out: as in the clip.
             facing: f64,
-        }
-    }
-}
-
-table! {
-    /// A thing in the scene.
-    Object {
-        required {
-            /// Unique among characters and objects, without `/`, `:` and `#`.
-            name: String,
-            /// Ahead, up, across, metres.
-            size: Triple<f64>,
-        }
-        optional {
-            /// Middle of its base, metres `[x, -z]`.
-            position: Pair<f64>,
-            /// Where it points, degrees counter-clockwise from +x seen from above (0 if left out).
-            facing: f64,
-            /// Where it is when, for a thing that moves by itself.
-            keys: Tables<ObjectKey>,
         }
     }
 }

@@ -1,18 +1,13 @@
 //! Refuses by name what is not available yet, so that no scene seems to do what it does not.
 
-use crate::scene::raw::{Object, Scene};
+use crate::scene::raw::Scene;
 use crate::scene::report::{Place, Report};
 use crate::scene::tree::Field;
 use crate::scene::values::Tables;
 
 /// Reports every stage that `scene` asks for and that is not available yet.
 pub fn refuse(scene: &Scene, report: &mut Report) {
-    refuse_tables(&scene.carry, "[[carry]]", report);
-    refuse_tables(&scene.end_effector, "[[end_effector]]", report);
     refuse_tables(&scene.drag, "[[drag]]", report);
-    for object in scene.object.tables() {
-        refuse_keys(&object.value, report);
-    }
     if let Some(discrete) = scene.discrete.given()
         && discrete.value.enabled.value() != Some(&false)
     {
@@ -25,12 +20,6 @@ pub fn refuse(scene: &Scene, report: &mut Report) {
         let help = "remove the table, or set touch_up = false";
         refuse_one(&physics.place, "[physics]", help, report);
     }
-    if let Some(full_body) = scene.full_body.given()
-        && (full_body.value.enabled.value() != Some(&false) || !full_body.value.plants.is_absent())
-    {
-        let help = "remove the table, or set enabled = false and leave \"plants\" out";
-        refuse_one(&full_body.place, "[full_body]", help, report);
-    }
 }
 
 fn refuse_tables<T>(tables: &Field<Tables<T>>, what: &str, report: &mut Report) {
@@ -41,13 +30,6 @@ fn refuse_tables<T>(tables: &Field<Tables<T>>, what: &str, report: &mut Report) 
             count => format!("remove all {count} tables of this kind"),
         };
         refuse_one(&first.place, what, &help, report);
-    }
-}
-
-fn refuse_keys(object: &Object, report: &mut Report) {
-    if let Some(keys) = object.keys.given() {
-        let help = "remove \"keys\" and give the object one \"position\"";
-        refuse_one(&keys.place, "an object that moves by \"keys\"", help, report);
     }
 }
 

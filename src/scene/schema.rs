@@ -43,7 +43,7 @@ mod tests {
     use super::*;
     use crate::scene::report::{Place, Report};
     use crate::scene::tree::{Node, Read};
-    use crate::scene::unavailable;
+    use crate::scene::{things, unavailable};
 
     /// A scene with every kind of table.
     const EXAMPLE: &str = include_str!("example.toml");
@@ -88,21 +88,21 @@ mod tests {
         agree::<raw::Scene>();
         agree::<raw::FileClip>();
         agree::<raw::Character>();
-        agree::<raw::Object>();
+        agree::<things::Object>();
         agree::<raw::Pin>();
         agree::<raw::Relative>();
         agree::<raw::Time>();
         agree::<raw::Duration>();
         agree::<raw::Sync>();
         agree::<raw::Warp>();
-        agree::<unavailable::ObjectKey>();
-        agree::<unavailable::Carry>();
-        agree::<unavailable::EndEffector>();
-        agree::<unavailable::Target>();
+        agree::<things::ObjectKey>();
+        agree::<things::Carry>();
+        agree::<things::EndEffector>();
+        agree::<things::Target>();
         agree::<unavailable::Drag>();
         agree::<unavailable::Discrete>();
         agree::<unavailable::Physics>();
-        agree::<unavailable::FullBody>();
+        agree::<things::FullBody>();
     }
 
     #[test]

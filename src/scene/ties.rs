@@ -1,31 +1,36 @@
-//! Relatives hold at two moments that need not be simultaneous: warns where nothing ties the two in time.
+//! Relatives, reaches and hand-overs have two moments that need not be simultaneous: warns where nothing ties the two in time.
 
 use std::collections::BTreeMap;
 
 use crate::constraint::{ConstraintKind, Moment, Partner, When};
+use crate::effector::EffectorTarget;
+use crate::object::hand_overs;
 use crate::scene::checker::{Checked, order};
 use crate::scene::moment::Member;
-use crate::scene::report::Report;
+use crate::scene::report::{Place, Report};
 
-/// Warns of relatives between characters whose moments no sync, time or duration ties.
+/// Warns of relatives, reaches and hand-overs between characters whose moments no sync, time or duration ties.
 pub fn warn_of_untied(checked: &Checked, cast: &[Member], report: &mut Report) {
     let ties = Ties::of(checked, cast);
     for (constraint, place) in checked.constraints.iter().zip(&checked.places) {
-        let ConstraintKind::Relative { when, partner: Partner::Character(other), .. } = &constraint.kind
-        else {
-            continue;
-        };
-        let untied =
-            when.moments().into_iter().zip(other.moments()).find(|(mine, theirs)| !ties.tied(mine, theirs));
-        if let Some((mine, theirs)) = untied {
-            let message = format!("nothing makes \"{}\" and \"{}\" happen together", mine.name, theirs.name);
-            let help = match when {
-                When::At(_) => {
-                    format!("add a [[sync]] with moments = [\"{}\", \"{}\"]", mine.name, theirs.name)
-                }
-                When::During(..) => "add a [[sync]] with the two intervals".to_owned(),
-            };
-            report.warn(place, message, help);
+        if let ConstraintKind::Relative { when, partner: Partner::Character(other), .. } = &constraint.kind {
+            ties.warn((when, other), place, report);
+        }
+    }
+    for (effector, place) in checked.end_effectors.iter().zip(&checked.effector_places) {
+        if let EffectorTarget::Joint { when: Some(other), .. } = &effector.target {
+            ties.warn((&effector.when, other), place, report);
+        }
+    }
+    for (before, next) in hand_overs(&checked.carries) {
+        let (release, grasp) = (&checked.carries[before].during.1, &checked.carries[next].during.0);
+        if release.character != grasp.character && !ties.tied(grasp, release) {
+            let message = format!("nothing ties the time of \"{}\" to \"{}\"", grasp.name, release.name);
+            let help = format!(
+                "add a [[sync]] with moments = [\"{}\", \"{}\"], and an offset where the object rests in between",
+                grasp.name, release.name
+            );
+            report.warn(&checked.carry_places[next], message, help);
         }
     }
 }
@@ -66,6 +71,22 @@ impl<'a> Ties<'a> {
             }
         }
         ties
+    }
+
+    /// Warns where the moments of a pair are not tied.
+    fn warn(&self, (when, other): (&When, &When), place: &Place, report: &mut Report) {
+        let mut pairs = when.moments().into_iter().zip(other.moments());
+        let Some((mine, theirs)) = pairs.find(|(mine, theirs)| !self.tied(mine, theirs)) else {
+            return;
+        };
+        let message = format!("nothing makes \"{}\" and \"{}\" happen together", mine.name, theirs.name);
+        let help = match when {
+            When::At(_) => {
+                format!("add a [[sync]] with moments = [\"{}\", \"{}\"]", mine.name, theirs.name)
+            }
+            When::During(..) => "add a [[sync]] with the two intervals".to_owned(),
+        };
+        report.warn(place, message, help);
     }
 
     fn knot(&self, moment: &Moment) -> Knot {

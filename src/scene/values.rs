@@ -244,6 +244,16 @@ words! {
 }
 
 words! {
+    /// How planted feet hold.
+    Plants {
+        /// With the small drift of their capture.
+        AsCaptured = "as-captured",
+        /// Without any drift.
+        Pinned = "pinned",
+    }
+}
+
+words! {
     /// The quantity as it was before the edit.
     Rest {
         /// As before the edit.
@@ -317,6 +327,14 @@ impl Alternative for Pair<f64> {
     }
 }
 
+impl Alternative for Triple<f64> {
+    const NOUN: &'static str = "an array of three numbers";
+
+    fn is_meant(value: &DeValue<'_>) -> bool {
+        value.is_array()
+    }
+}
+
 /// A word, or something else.
 #[derive(Clone, Debug, JsonSchema)]
 #[schemars(untagged, inline)]
@@ -346,6 +364,8 @@ pub type Strength = WordOr<Hard, f64>;
 pub type Offset = WordOr<Free, Pair<f64>>;
 /// `"rest"`, or degrees.
 pub type RelativeFacing = WordOr<Rest, f64>;
+/// `"rest"`, or degrees about three axes.
+pub type Turn = WordOr<Rest, Triple<f64>>;
 /// Unit of length: `"m"`, `"cm"`, `"inch"`, or metres per unit of the file.
 pub type Unit = WordOr<UnitName, f64>;
 

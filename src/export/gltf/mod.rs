@@ -17,8 +17,8 @@ use self::body_mesh::body_mesh;
 use self::buffer::{Document, Use};
 use crate::clip::Clip;
 use crate::export::palette;
-use crate::geometry::c64;
 use crate::index::{JointId, SourceFrame};
+use crate::object::ObjectPose;
 use crate::skeleton::Skeleton;
 
 /// What a GLB file shows.
@@ -28,7 +28,7 @@ pub struct GlbScene<'a> {
     pub title: &'a str,
     /// All start together; each ends with its clip.
     pub performers: Vec<Performer<'a>>,
-    /// Things that stand in the scene.
+    /// Things that stand in the scene or move.
     pub objects: Vec<GlbObject<'a>>,
 }
 
@@ -41,23 +41,23 @@ pub struct Performer<'a> {
     pub clip: &'a Clip,
 }
 
-/// A box that stands in the scene.
-#[derive(Clone, Copy, Debug, PartialEq)]
+/// A box that stands in the scene, or moves.
+#[derive(Clone, Debug, PartialEq)]
 pub struct GlbObject<'a> {
     /// For people.
     pub name: &'a str,
     /// Ahead, up, across, metres.
     pub size: [f64; 3],
-    /// Ground plan of the middle of its base, metres.
-    pub position: c64,
-    /// Radians.
-    pub facing: f64,
+    /// Where it is: one pose, or one a frame.
+    pub poses: Vec<ObjectPose>,
+    /// Frames per second.
+    pub fps: f64,
 }
 
 /// The file's bytes; the same scene gives the same bytes.
 ///
 /// # Panics
-/// If a clip has no frames, or the file would exceed the 4 GiB its format allows.
+/// If a clip has no frames or an object no pose, or the file would exceed the 4 GiB its format allows.
 pub fn to_glb(scene: &GlbScene) -> Vec<u8> {
     let mut document = Document::default();
     document.root.asset = Asset { generator: Some("cotillion".to_owned()), ..Default::default() };
@@ -74,7 +74,12 @@ pub fn to_glb(scene: &GlbScene) -> Vec<u8> {
         nodes.extend(cast.enter(&mut document, &mut animation, performer, index));
     }
     for object in &scene.objects {
-        nodes.push(stage::object(&mut document, object));
+        let node = stage::object(&mut document, object);
+        nodes.push(node);
+        if object.poses.len() > 1 {
+            let times = cast.times(&mut document, (object.poses.len(), object.fps));
+            stage::animate(&mut document, &mut animation, object, (node, times));
+        }
     }
     if !animation.channels.is_empty() {
         document.root.push(animation);
@@ -124,7 +129,7 @@ impl Cast {
             children: Some(vec![joints[0]]),
             ..Default::default()
         });
-        let times = self.times(document, clip);
+        let times = self.times(document, (clip.frame_count(), clip.fps));
         animate(document, animation, clip, &joints, times);
         let Some(body) = self.body(document, &clip.skeleton) else {
             return vec![holder];
@@ -173,16 +178,15 @@ impl Cast {
         Some(body)
     }
 
-    /// Seconds of a clip's frames, made once per length.
-    fn times(&mut self, document: &mut Document, clip: &Clip) -> Index<Accessor> {
-        let frames = clip.frame_count();
-        let known = self.times.iter().find(|(count, fps, _)| *count == frames && *fps == clip.fps);
+    /// Seconds of so many frames at a rate, made once per length.
+    fn times(&mut self, document: &mut Document, (frames, fps): (usize, f64)) -> Index<Accessor> {
+        let known = self.times.iter().find(|(count, rate, _)| *count == frames && *rate == fps);
         if let Some((_, _, times)) = known {
             return *times;
         }
-        let seconds: Vec<[f32; 1]> = (0..frames).map(|frame| [narrow(frame as f64 / clip.fps)]).collect();
+        let seconds: Vec<[f32; 1]> = (0..frames).map(|frame| [narrow(frame as f64 / fps)]).collect();
         let times = document.floats(&seconds, Use::Data, true);
-        self.times.push((frames, clip.fps, times));
+        self.times.push((frames, fps, times));
         times
     }
 }
@@ -224,27 +228,7 @@ fn animate(
     times: Index<Accessor>,
 ) {
     let mut add = |output: Index<Accessor>, joint: usize, path: Property| {
-        let sampler = Index::push(
-            &mut animation.samplers,
-            Sampler {
-                extensions: None,
-                extras: Default::default(),
-                input: times,
-                interpolation: Checked::Valid(Interpolation::Linear),
-                output,
-            },
-        );
-        animation.channels.push(Channel {
-            sampler,
-            target: Target {
-                extensions: None,
-                extras: Default::default(),
-                node: joints[joint],
-                path: Checked::Valid(path),
-            },
-            extensions: None,
-            extras: Default::default(),
-        });
+        channel(animation, (times, output), (joints[joint], path));
     };
     let root = document.floats(&rows(&clip.root_positions), Use::Data, false);
     add(root, 0, Property::Translation);
@@ -253,18 +237,38 @@ fn animate(
         add(offsets, moving.joint.as_usize(), Property::Translation);
     }
     for joint in 0..joints.len() {
-        let rotations = document.floats(&steady(clip, joint), Use::Data, false);
+        let rotations = clip.rotations.iter().skip(joint).step_by(joints.len());
+        let rotations = document.floats(&steady(rotations), Use::Data, false);
         add(rotations, joint, Property::Rotation);
     }
 }
 
-/// Rotations of a joint with signs chosen so that neighbours are close: players interpolate without a detour.
-fn steady(clip: &Clip, joint: usize) -> Vec<[f32; 4]> {
+/// Adds a channel: times and values, node and property.
+fn channel(
+    animation: &mut Animation,
+    (input, output): (Index<Accessor>, Index<Accessor>),
+    (node, path): (Index<Node>, Property),
+) {
+    let sampler = Sampler {
+        extensions: None,
+        extras: Default::default(),
+        input,
+        interpolation: Checked::Valid(Interpolation::Linear),
+        output,
+    };
+    let sampler = Index::push(&mut animation.samplers, sampler);
+    animation.channels.push(Channel {
+        sampler,
+        target: Target { extensions: None, extras: Default::default(), node, path: Checked::Valid(path) },
+        extensions: None,
+        extras: Default::default(),
+    });
+}
+
+/// Rotations with signs chosen so that neighbours are close: players interpolate without a detour.
+fn steady<'q>(rotations: impl Iterator<Item = &'q DQuat>) -> Vec<[f32; 4]> {
     let mut before = DQuat::IDENTITY;
-    clip.rotations
-        .iter()
-        .skip(joint)
-        .step_by(clip.skeleton.joints.len())
+    rotations
         .map(|rotation| {
             before = if before.dot(*rotation) < 0.0 { -*rotation } else { *rotation };
             quaternion(before)

@@ -1,6 +1,7 @@
-//! What does not move: a grid on the ground and boxes.
+//! What is no body: a grid on the ground, and boxes.
 
-use glam::DVec3;
+use glam::{DQuat, DVec3};
+use gltf_json::animation::{Animation, Property};
 use gltf_json::material::{Material, PbrBaseColorFactor, PbrMetallicRoughness, StrengthFactor};
 use gltf_json::mesh::{Mesh, Mode, Primitive, Semantic};
 use gltf_json::scene::{Node, UnitQuaternion};
@@ -8,9 +9,10 @@ use gltf_json::validation::Checked;
 use gltf_json::{Accessor, Index};
 
 use super::buffer::{Document, Use};
-use super::{GlbObject, GlbScene, narrow, quaternion, rows, vector};
+use super::{GlbObject, GlbScene, channel, narrow, quaternion, rows, steady, vector};
 use crate::export::palette::linear;
-use crate::geometry::{plan_of, world_of, yaw};
+use crate::geometry::{plan_of, yaw};
+use crate::object::ObjectPose;
 
 /// Widest grid, metres each way; scenes beyond it get the middle covered.
 const WIDEST: f64 = 200.0;
@@ -36,7 +38,7 @@ pub(super) fn ground(document: &mut Document, scene: &GlbScene) -> Index<Node> {
         .performers
         .iter()
         .flat_map(|performer| performer.clip.root_positions.iter().map(|root| plan_of(*root)))
-        .chain(scene.objects.iter().map(|object| object.position))
+        .chain(scene.objects.iter().flat_map(|object| object.poses.iter().map(ObjectPose::plan)))
         .collect();
     let [west, east] = extent(everything.iter().map(|p| p.re));
     let [south, north] = extent(everything.iter().map(|p| -p.im));
@@ -96,10 +98,25 @@ pub(super) fn object(document: &mut Document, object: &GlbObject) -> Index<Node>
     document.root.push(Node {
         name: Some(object.name.to_owned()),
         mesh: Some(mesh),
-        translation: Some(vector(world_of(object.position, 0.0))),
-        rotation: Some(UnitQuaternion(quaternion(yaw(object.facing)))),
+        translation: Some(vector(object.poses[0].position)),
+        rotation: Some(UnitQuaternion(quaternion(yaw(object.poses[0].facing)))),
         ..Default::default()
     })
+}
+
+/// Channels of a box that moves; node and seconds of its frames.
+pub(super) fn animate(
+    document: &mut Document,
+    animation: &mut Animation,
+    object: &GlbObject,
+    (node, times): (Index<Node>, Index<Accessor>),
+) {
+    let places: Vec<DVec3> = object.poses.iter().map(|pose| pose.position).collect();
+    let turns: Vec<DQuat> = object.poses.iter().map(|pose| yaw(pose.facing)).collect();
+    let places = document.floats(&rows(&places), Use::Data, false);
+    let turns = document.floats(&steady(turns.iter()), Use::Data, false);
+    channel(animation, (times, places), (node, Property::Translation));
+    channel(animation, (times, turns), (node, Property::Rotation));
 }
 
 fn mesh_of(document: &mut Document, name: &str, shape: Primitive) -> Index<Mesh> {

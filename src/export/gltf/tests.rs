@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use super::*;
 use crate::clip::MovingOffset;
 use crate::clip::builtin::generate;
+use crate::geometry::c64;
 use crate::skeleton::{Axis, Joint, JointRole};
 
 /// Single precision on numbers below 10.
@@ -85,8 +86,8 @@ fn trio<'a>(clips: &'a [Clip]) -> GlbScene<'a> {
         objects: vec![GlbObject {
             name: "box",
             size: [0.4, 0.3, 0.2],
-            position: c64::new(0.0, 2.0),
-            facing: 0.3,
+            poses: vec![ObjectPose::on_ground(c64::new(0.0, 2.0), 0.3)],
+            fps: 30.0,
         }],
     }
 }
@@ -127,6 +128,33 @@ fn keyframes_replay_the_clip() {
             let expected = clips[0].rotations[frame * 21 + joint];
             assert!(DQuat::from_slice(q).dot(expected).abs() > 1.0 - SINGLE);
         }
+    }
+}
+
+#[test]
+fn an_object_that_moves_has_keyframes_of_its_own() {
+    let clips = [made("walk")];
+    let poses: Vec<ObjectPose> = (0..clips[0].frame_count())
+        .map(|k| ObjectPose { position: DVec3::new(0.1 * k as f64, 0.5, 1.0), facing: 0.2 * k as f64 })
+        .collect();
+    let mut scene = trio(&clips);
+    scene.objects[0].poses.clone_from(&poses);
+    scene.objects[0].fps = clips[0].fps;
+    let glb = to_glb(&scene);
+    let (json, binary) = parts(&glb);
+    let channels = json["animations"][0]["channels"].as_array().expect("channels");
+    let samplers = json["animations"][0]["samplers"].as_array().expect("samplers");
+    assert_eq!(channels.len(), 22 + 2);
+    assert_eq!(samplers[0]["input"], samplers[22]["input"], "frames of equal times share them");
+    let node = channels[22]["target"]["node"].as_u64().expect("a node");
+    assert_eq!(json["nodes"][usize::try_from(node).expect("few nodes")]["name"], "box");
+    let places = numbers(&json, binary, &samplers[22]["output"]);
+    let turns = numbers(&json, binary, &samplers[23]["output"]);
+    for (k, pose) in poses.iter().enumerate() {
+        assert!(DVec3::from_slice(&places[3 * k..]).distance(pose.position) < SINGLE);
+        let turn = DQuat::from_slice(&turns[4 * k..]);
+        assert!(turn.dot(DQuat::from_rotation_y(pose.facing)).abs() > 1.0 - SINGLE);
+        assert!(k == 0 || turn.dot(DQuat::from_slice(&turns[4 * k - 4..])) > 0.0);
     }
 }
 

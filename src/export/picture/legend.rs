@@ -1,6 +1,7 @@
 //! What the symbols mean; only those that occur.
 
 use super::Picture;
+use super::objects::{OUTLINE, draw_mark, way_pen};
 use super::svg::{INK, Point, Rect, Sheet, TextStyle};
 
 /// Height of a line, px.
@@ -50,6 +51,15 @@ fn entries(picture: &Picture) -> Vec<Entry> {
         ("relative, hard", pair(true), |sheet, at| draw_pair(sheet, at, INK)),
         ("relative, soft", pair(false), |sheet, at| draw_pair(sheet, at, "#ffffff")),
         ("object, its front", !picture.objects.is_empty(), draw_object),
+        ("way of an object", picture.objects.iter().any(|object| object.poses.len() > 1), |sheet, at| {
+            stroke(sheet, at, &way_pen());
+        }),
+        ("grasped", picture.objects.iter().any(|object| !object.grasped.is_empty()), |sheet, at| {
+            draw_mark(sheet, at, OUTLINE);
+        }),
+        ("released", picture.objects.iter().any(|object| !object.released.is_empty()), |sheet, at| {
+            draw_mark(sheet, at, "#ffffff");
+        }),
         ("stationary", still, draw_stationary),
         ("same moment", picture.ties.iter().any(|tie| !tie.pinned), draw_tie),
         ("given time", picture.ties.iter().any(|tie| tie.pinned), draw_flag),

@@ -3,6 +3,7 @@
 use std::fmt::Write as _;
 
 use crate::geometry::c64;
+use crate::object::ObjectPose;
 
 mod axis;
 mod chart;
@@ -11,6 +12,7 @@ mod flags;
 mod handles;
 mod labels;
 mod legend;
+mod objects;
 mod plan;
 mod png;
 mod strip;
@@ -45,17 +47,19 @@ pub struct Picture<'a> {
     pub ties: Vec<Tie>,
 }
 
-/// An object of the scene, a box on the ground.
+/// An object of the scene, a box seen from above.
 #[derive(Clone, Debug)]
 pub struct PictureObject<'a> {
     /// Its name.
     pub name: &'a str,
     /// Length ahead, height, width across, metres.
     pub size: [f64; 3],
-    /// Middle of its base, plan metres.
-    pub position: c64,
-    /// Where its front looks, radians.
-    pub facing: f64,
+    /// Where it is: one pose, or its poses along time.
+    pub poses: Vec<ObjectPose>,
+    /// Where it is grasped and where it is released, plan metres.
+    pub grasped: Vec<c64>,
+    /// See `grasped`.
+    pub released: Vec<c64>,
 }
 
 /// One character before and after the edit; frame by frame, 30 a second of rest time.

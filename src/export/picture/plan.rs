@@ -5,11 +5,13 @@ use std::f64::consts::PI;
 use super::axis::{mark_label, marks, round_step};
 use super::handles::draw_handles;
 use super::labels::Labels;
+use super::objects::draw_object;
 use super::svg::{GREY, INK, Point, Rect, Sheet, TextStyle, tinted};
-use super::view::{View, base, distance, is_drawable, towards};
-use super::{Actor, Picture};
+use super::view::{View, distance, is_drawable, towards};
+use super::{Actor, Picture, PictureObject};
 use crate::export::palette::colour;
 use crate::geometry::c64;
+use crate::object::ObjectPose;
 use crate::path;
 
 /// Scene time between two facing ticks, seconds.
@@ -29,12 +31,7 @@ const INK_POINTS: usize = 6000;
 pub(super) fn draw_plan(sheet: &mut Sheet, view: &View, picture: &Picture) {
     draw_grid(sheet, view);
     sheet.open(r#"id="plan" clip-path="url(#frame)""#, "plan");
-    picture.objects.iter().for_each(|object| {
-        let corners = base(object);
-        if corners.iter().all(|corner| is_drawable(*corner)) {
-            draw_object(sheet, view, (object.name, corners));
-        }
-    });
+    picture.objects.iter().for_each(|object| draw_object(sheet, view, object));
     let pen = if picture.actors.len() <= FEW { 2.2 } else { 1.1 };
     for (index, actor) in picture.actors.iter().enumerate() {
         draw_rest(sheet, view, (index, actor));
@@ -92,22 +89,6 @@ pub(super) fn draw_scale_bar(sheet: &mut Sheet, view: &View) {
     sheet.polyline(&bar, &format!(r#"stroke="{INK}" stroke-width="1.4""#));
     let style = TextStyle { size: 10.5, colour: INK, anchor: "middle", halo: true };
     sheet.text([left + rect.w / 2.0, y - 6.0], style, &format!("{} m", mark_label(step, step)));
-}
-
-/// A rectangle, with a wedge at its front.
-fn draw_object(sheet: &mut Sheet, view: &View, (name, corners): (&str, [c64; 4])) {
-    let [front_left, front_right, back_right, _] = corners;
-    sheet.open("", name);
-    let pen = r##"fill="#efe9dd" stroke="#8d8470" stroke-width="1.2" stroke-linejoin="round""##;
-    sheet.polygon(&corners.map(|corner| view.place(corner)), pen);
-    let (front, depth) = ((front_left + front_right) / 2.0, front_right - back_right);
-    let half = (front_left - front_right) / 2.0;
-    let size = half.norm().min(depth.norm() / 2.0).min(12.0 / view.scale);
-    let unit = |along: c64| if along.norm() > 0.0 { along / along.norm() } else { along };
-    let back = front - unit(depth) * size;
-    let wedge = [front, back + unit(half) * size * 0.5, back - unit(half) * size * 0.5];
-    sheet.polygon(&wedge.map(|corner| view.place(corner)), r##"fill="#8d8470""##);
-    sheet.close();
 }
 
 fn draw_rest(sheet: &mut Sheet, view: &View, (index, actor): (usize, &Actor)) {
@@ -202,8 +183,10 @@ fn write_names(sheet: &mut Sheet, view: &View, picture: &Picture, labels: &mut L
         let style = TextStyle { size, colour: &colour, anchor: "middle", halo: true };
         labels.write(sheet, view.place(start), (actor.name, style), most);
     }
-    for object in picture.objects.iter().take(NAMED).filter(|object| is_drawable(object.position)) {
+    let first =
+        |object: &PictureObject| object.poses.first().map_or(c64::new(f64::NAN, 0.0), ObjectPose::plan);
+    for object in picture.objects.iter().take(NAMED).filter(|object| is_drawable(first(object))) {
         let style = TextStyle { size: 11.0, colour: "#6b6452", anchor: "middle", halo: true };
-        labels.write(sheet, view.place(object.position), (object.name, style), most);
+        labels.write(sheet, view.place(first(object)), (object.name, style), most);
     }
 }

@@ -53,8 +53,9 @@ fn picture<'a>(motions: &'a [Motion], names: &'a [String]) -> Picture<'a> {
     let object = PictureObject {
         name: "tea < table",
         size: [1.5, 0.8, 0.7],
-        position: c64::new(0.5, 0.2),
-        facing: 0.4,
+        poses: (0..9).map(|k| ObjectPose::on_ground(c64::new(0.5, 0.2 * f64::from(k)), 0.4)).collect(),
+        grasped: vec![c64::new(0.5, 0.2)],
+        released: vec![c64::new(0.5, f64::NAN), c64::new(0.5, 1.6)],
     };
     Picture {
         title: "Tea & <cake>",

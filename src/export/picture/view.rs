@@ -1,8 +1,9 @@
 //! Where the plan lies on the sheet.
 
+use super::Picture;
 use super::svg::{Point, Rect};
-use super::{Picture, PictureObject};
-use crate::geometry::{c64, cis};
+use crate::geometry::c64;
+use crate::object::ObjectPose;
 
 /// Space between the outermost point and the frame, px.
 const PADDING: f64 = 46.0;
@@ -95,17 +96,19 @@ pub(super) fn towards(from: Point, heading: f64, length: f64) -> Point {
     [from[0] + length * heading.cos(), from[1] - length * heading.sin()]
 }
 
-/// Corners of an object's base: front left, front right, back right, back left.
-pub(super) fn base(object: &PictureObject) -> [c64; 4] {
-    let (ahead, left) = (object.size[0] / 2.0, object.size[2] / 2.0);
-    [(ahead, left), (ahead, -left), (-ahead, -left), (-ahead, left)]
-        .map(|(x, y)| object.position + cis(object.facing) * c64::new(x, y))
+/// Corners of an object's base at a pose: front left, front right, back right, back left.
+pub(super) fn base(size: [f64; 3], pose: &ObjectPose) -> [c64; 4] {
+    let (ahead, left) = (size[0] / 2.0, size[2] / 2.0);
+    [(ahead, left), (ahead, -left), (-ahead, -left), (-ahead, left)].map(|(x, y)| pose.beside(c64::new(x, y)))
 }
 
 fn extent(picture: &Picture) -> (c64, c64) {
     let paths = picture.actors.iter().flat_map(|actor| actor.rest.iter().chain(actor.edited));
     let targets = picture.handles.iter().filter_map(|handle| handle.target);
-    let bases = picture.objects.iter().flat_map(base);
+    let bases = picture
+        .objects
+        .iter()
+        .flat_map(|object| object.poses.iter().flat_map(|pose| base(object.size, pose)));
     bounds(paths.copied().chain(targets).chain(bases))
 }
 

@@ -1,0 +1,174 @@
+//! Solves paths while objects move.
+
+use super::{Editor, named};
+use crate::edit::error::{EditError, Named};
+use crate::edit::expand::{Following, expand};
+use crate::edit::facing::Turns;
+use crate::edit::following::{OwnLoad, Ties, alike, follow, numbers, renumber, step, wanted};
+use crate::edit::groups::{Group, spatial_groups};
+use crate::edit::hold::Hold;
+use crate::edit::mixing::Mixer;
+use crate::edit::moved::Moved;
+use crate::index::ConstraintId;
+use crate::object_motion::{Overlap, object_motions, overlap};
+use crate::path::RestPath;
+use crate::scene::Scene;
+
+/// Places relative to carried objects are solved so often at most, and twice more for each row that holds one.
+const ROUNDS: usize = 20;
+/// They stay where nothing changes by more than this, metres or radians.
+const SETTLED: f64 = 1e-11;
+/// They do not stay where the last attempt still changes this much.
+const UNSETTLED: f64 = 1e-7;
+
+impl Editor {
+    /// Solves paths while objects move: keyframed ones are where the times say, and what is held relative to carried ones
+    /// is solved until it stays. It begins from rest, so that the result does not depend on earlier targets. Where carriers
+    /// have nothing else to hold them, moving them to the places held need not come to an end: then these follow alone.
+    pub(super) fn solve_with_objects(&mut self) -> Result<(), EditError> {
+        let moved = Moved { scene: &self.scene, characters: &self.edit.characters };
+        if let Some(Overlap { first, second, seconds }) = overlap(&self.scene, &moved) {
+            let [first, second] = [first, second].map(|carry| carry_named(&self.scene, carry));
+            return Err(EditError::CarriesOverlap { first, second, seconds });
+        }
+        if self.following.is_empty() {
+            return self.solve_space();
+        }
+        let carried = |row: &Following| self.scene.carries.iter().any(|carry| carry.object == row.object);
+        let settles = self.following.iter().any(|(row, _)| carried(row));
+        if !settles {
+            return self.settle(Ties::Both, 1);
+        }
+        let rounds = ROUNDS + 2 * self.following.len();
+        match self.settle(Ties::Both, rounds) {
+            Err(error) if !matches!(error, EditError::OwnLoad { .. }) => {
+                self.settle(Ties::OneWay, rounds).map_err(|_| error)
+            }
+            settled => settled,
+        }
+    }
+
+    /// Solves, reads off where objects are, and solves again until nothing changes.
+    fn settle(&mut self, ties: Ties, rounds: usize) -> Result<(), EditError> {
+        let settles = rounds > 1;
+        if settles {
+            self.begin_at_rest();
+        }
+        let (mut mixer, mut apart) = (Mixer::default(), f64::INFINITY);
+        for round in 0..rounds {
+            let read = self.read_objects(ties)?;
+            let settled = if settles && round > 0 { SETTLED } else { 0.0 };
+            apart = self.furthest(&read);
+            if round > 0 && apart <= settled {
+                return Ok(());
+            }
+            if apart.is_infinite() {
+                self.rebuild(read);
+                mixer = Mixer::default();
+            } else if round == 0 {
+                // What was read at rest is no answer to the present numbers.
+                self.renumber(&read.iter().flat_map(numbers).collect::<Vec<_>>());
+            } else {
+                let present: Vec<f64> = self.following.iter().flat_map(|(_, hold)| numbers(hold)).collect();
+                let pairs = self.following.iter().zip(&read);
+                let steps: Vec<f64> = pairs.flat_map(|((_, old), new)| step(old, new)).collect();
+                self.renumber(&mixer.next(&present, &steps));
+            }
+            self.solve_space()?;
+            if settles {
+                self.take_paths();
+            }
+        }
+        if settles && (apart.is_nan() || apart > UNSETTLED) {
+            return Err(EditError::Unsettled(self.followers()));
+        }
+        Ok(())
+    }
+
+    /// Constraints relative to objects that move, in the order of the scene.
+    fn followers(&self) -> Vec<Named> {
+        let places = self.following.iter().map(|(row, _)| self.held[row.row]);
+        let mut ids: Vec<ConstraintId> =
+            places.map(|(group, row)| self.spatial[group].component.held[row].row.constraint).collect();
+        ids.dedup();
+        ids.into_iter().map(|id| named(&self.scene, id)).collect()
+    }
+
+    fn begin_at_rest(&mut self) {
+        for character in &mut self.edit.characters {
+            character.positions.copy_from_slice(&character.rest.positions);
+            let Turns { along_path, corrections, flips } = &mut character.turns;
+            along_path.fill(0.0);
+            corrections.clear();
+            flips.clear();
+        }
+        self.spatial.iter_mut().for_each(|group| group.stale = true);
+    }
+
+    /// Rows relative to objects that move as these are on the present paths.
+    fn read_objects(&self, ties: Ties) -> Result<Vec<Hold>, EditError> {
+        let moved = Moved { scene: &self.scene, characters: &self.edit.characters };
+        let motions = object_motions(&self.scene, &moved);
+        let read = |(row, _): &(Following, Hold)| {
+            let (group, place) = self.held[row.row];
+            let constraint = self.spatial[group].component.held[place].row.constraint;
+            let wanted = wanted(&self.scene.constraints[constraint.as_usize()].kind, row.before);
+            follow(&moved, &motions, row, (wanted, ties)).map_err(|OwnLoad { carry }| {
+                let constraint = named(&self.scene, constraint);
+                EditError::OwnLoad { constraint, carry: carry_named(&self.scene, carry) }
+            })
+        };
+        self.following.iter().map(read).collect()
+    }
+
+    /// By how much rows differ from the present ones, metres or radians; infinite where they bind other frames.
+    fn furthest(&self, read: &[Hold]) -> f64 {
+        let pairs = self.following.iter().zip(read);
+        let apart = |((_, old), new): (&(Following, Hold), &Hold)| {
+            if alike(old, new) {
+                step(old, new).into_iter().map(f64::abs).fold(0.0, f64::max)
+            } else {
+                f64::INFINITY
+            }
+        };
+        pairs.map(apart).fold(0.0, f64::max)
+    }
+
+    /// Gives rows relative to objects that move their numbers, two each.
+    fn renumber(&mut self, all: &[f64]) {
+        let mut changed = Vec::new();
+        for ((row, hold), own) in self.following.iter_mut().zip(all.chunks_exact(2)) {
+            let own = [own[0], own[1]];
+            if numbers(hold) == own {
+                continue;
+            }
+            renumber(hold, own);
+            let (group, place) = self.held[row.row];
+            let Group { component, stale, .. } = &mut self.spatial[group];
+            *stale = true;
+            if renumber(&mut component.held[place].row.hold, own) {
+                changed.push(group);
+            }
+        }
+        changed.sort_unstable();
+        changed.dedup();
+        changed.into_iter().for_each(|group| self.spatial[group].component.reassemble());
+    }
+
+    /// Groups and assembles all spatial rows anew, with these in place of those relative to moving objects.
+    fn rebuild(&mut self, read: Vec<Hold>) {
+        let rests: Vec<RestPath> =
+            self.edit.characters.iter().map(|character| character.rest.clone()).collect();
+        let mut held = expand(&self.scene, &rests).held;
+        for ((row, hold), read) in self.following.iter_mut().zip(read) {
+            *hold = read;
+            held[row.row].hold = read;
+        }
+        (self.spatial, self.held) = spatial_groups(&rests, &held, self.settings, self.backend);
+    }
+}
+
+fn carry_named(scene: &Scene, carry: usize) -> Named {
+    let carry = &scene.carries[carry];
+    Named { name: carry.name.clone(), line: carry.line }
+}

@@ -1,0 +1,324 @@
+//! Objects along time: who has each of them when, without gap or jump, and where it is at any instant.
+//!
+//! An object is where its course says until somebody grasps it; carried, it is rigid to the frame of the hands (middle
+//! between them, heading across from the left to the right one; of two carriers from the middle of the first one's hands
+//! to the second one's); released, it stays there until it is grasped again. What it is rigid to is taken at the grasp
+//! itself, so that its pose is continuous there. Source: Kim et al. 2009, §4.3 (objects).
+
+use glam::DVec3;
+
+use crate::clip::facing::facing;
+use crate::clip::working::WORKING_STEP;
+use crate::constraint::Moment;
+use crate::geometry::plan_of;
+use crate::index::{CharacterId, JointId, ObjectId, floor_index};
+use crate::object::{Carry, ObjectPose, hand_overs};
+use crate::scene::Scene;
+use crate::skeleton::{JointFrame, JointRole, Pose, Skeleton};
+
+/// Somebody grasps what somebody else still has: so much is taken for rounding of soft times, and the second has it then,
+/// seconds.
+pub const HAND_OVER: f64 = WORKING_STEP;
+
+/// Hands that come nearer to each other than this, seen from above, tell no heading, metres.
+const LEAST_WIDTH: f64 = 0.05;
+
+/// From the wrist, which is the joint of a hand, to what its palm touches, metres.
+const PALM: f64 = 0.1;
+
+/// Moments this near are one, seconds.
+const SAME_MOMENT: f64 = 1e-9;
+
+/// How everybody moves, before or after an edit.
+pub trait Performance {
+    /// Scene time of a fractional frame of a character's track, seconds.
+    fn time(&self, who: CharacterId, frame: f64) -> f64;
+
+    /// Frame of a character's track at a scene time, held before the first and after the last.
+    fn frame(&self, who: CharacterId, seconds: f64) -> f64;
+
+    /// Pose at a fractional frame of a character's track.
+    fn pose(&self, who: CharacterId, frame: f64) -> Pose;
+}
+
+/// Everybody as before the edit: all tracks start at scene time 0.
+#[derive(Clone, Copy)]
+pub struct AtRest<'a>(pub &'a Scene);
+
+impl Performance for AtRest<'_> {
+    fn time(&self, _: CharacterId, frame: f64) -> f64 {
+        frame * WORKING_STEP
+    }
+
+    fn frame(&self, who: CharacterId, seconds: f64) -> f64 {
+        let track = &self.0.characters[who.as_usize()].track;
+        let last = track.frame_count() as f64 - 1.0 + track.overhang();
+        (seconds / WORKING_STEP).clamp(0.0, last)
+    }
+
+    fn pose(&self, who: CharacterId, frame: f64) -> Pose {
+        self.0.characters[who.as_usize()].track.pose(frame)
+    }
+}
+
+/// What decides where an object is.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Owner {
+    /// Its own course.
+    Itself,
+    /// The hands of whoever carries it.
+    Carried(Hold),
+    /// Nobody: it stays where this carry ended.
+    Left {
+        /// Position in [`Scene::carries`].
+        carry: usize,
+        /// Where.
+        pose: ObjectPose,
+    },
+}
+
+/// How an object is held.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Hold {
+    /// Position in [`Scene::carries`].
+    pub carry: usize,
+    /// The object in the frame of the hands.
+    pub attachment: ObjectPose,
+    /// Whether the hands tell the heading; otherwise they come too near to each other, and the first carrier's body does.
+    pub by_hands: bool,
+    /// Where each hand holds it, carrier by carrier, left before right.
+    pub grips: Vec<Grip>,
+}
+
+/// Where a hand holds an object, as at the grasp.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Grip {
+    /// Whose.
+    pub character: CharacterId,
+    /// The hand.
+    pub joint: JointId,
+    /// Of the wrist, in the object's axes, metres; no farther from its surface than the palm reaches.
+    pub point: DVec3,
+}
+
+/// An owner and how long.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Span {
+    /// Scene time, seconds; −∞ at first.
+    pub from: f64,
+    /// Scene time, seconds: where the next span begins, ∞ at last.
+    pub to: f64,
+    /// Who.
+    pub owner: Owner,
+}
+
+/// An object along time.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ObjectMotion {
+    /// Which.
+    pub object: ObjectId,
+    /// In the order of time, without gap.
+    pub spans: Vec<Span>,
+}
+
+/// Somebody grasps an object that another carry still has.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Overlap {
+    /// The carry that has it, by position in [`Scene::carries`].
+    pub first: usize,
+    /// The one that begins too early.
+    pub second: usize,
+    /// By how much, seconds.
+    pub seconds: f64,
+}
+
+/// Scene time of a moment, seconds.
+pub fn moment_time(scene: &Scene, performance: &impl Performance, moment: &Moment) -> f64 {
+    performance.time(moment.character, scene.frame_of(moment))
+}
+
+/// The first carry that begins before the one before it of the same object has ended, if any.
+pub fn overlap(scene: &Scene, performance: &impl Performance) -> Option<Overlap> {
+    hand_overs(&scene.carries).find_map(|(first, second)| {
+        let released = moment_time(scene, performance, &scene.carries[first].during.1);
+        let seconds = released - moment_time(scene, performance, &scene.carries[second].during.0);
+        (seconds > HAND_OVER).then_some(Overlap { first, second, seconds })
+    })
+}
+
+/// All objects of a scene along time. Cost: linear in working frames of carries and joints.
+///
+/// Carries that overlap are cut short where the next begins, in the order of the file; [`overlap`] finds them.
+pub fn object_motions(scene: &Scene, performance: &impl Performance) -> Vec<ObjectMotion> {
+    let ids = (0..scene.objects.len()).map(ObjectId::from_usize);
+    ids.map(|object| object_motion(scene, performance, object)).collect()
+}
+
+fn object_motion(scene: &Scene, performance: &impl Performance, object: ObjectId) -> ObjectMotion {
+    let itself = Span { from: f64::NEG_INFINITY, to: f64::INFINITY, owner: Owner::Itself };
+    let mut motion = ObjectMotion { object, spans: vec![itself] };
+    for (index, carry) in scene.carries.iter().enumerate().filter(|(_, carry)| carry.object == object) {
+        let [grasp, release] =
+            [&carry.during.0, &carry.during.1].map(|moment| moment_time(scene, performance, moment));
+        motion.grasp(scene, performance, (index, grasp, release));
+    }
+    motion
+}
+
+impl ObjectMotion {
+    /// Appends a carry: index, times of grasp and release.
+    fn grasp(
+        &mut self,
+        scene: &Scene,
+        performance: &impl Performance,
+        (index, grasp, release): (usize, f64, f64),
+    ) {
+        // A carry cut short has no stretch after its release: that one goes first.
+        while let Some(last) = self.spans.last()
+            && matches!(last.owner, Owner::Left { .. })
+            && last.from >= grasp
+        {
+            self.spans.pop();
+        }
+        let last = self.spans.len() - 1;
+        let grasp = grasp.max(self.spans[last].from);
+        let release = release.max(grasp);
+        self.spans[last].to = grasp;
+        let pose = self.pose_in(last, (scene, performance), grasp);
+        let hold = Hold::at(scene, performance, (index, [grasp, release]), pose);
+        let left = hold.pose_at(&scene.carries[index], (scene, performance), release);
+        self.spans.push(Span { from: grasp, to: release, owner: Owner::Carried(hold) });
+        let owner = Owner::Left { carry: index, pose: left };
+        self.spans.push(Span { from: release, to: f64::INFINITY, owner });
+    }
+
+    fn pose_in(
+        &self,
+        span: usize,
+        (scene, performance): (&Scene, &impl Performance),
+        seconds: f64,
+    ) -> ObjectPose {
+        match &self.spans[span].owner {
+            Owner::Itself => scene.objects[self.object.as_usize()].course.pose_at(seconds),
+            Owner::Carried(hold) => hold.pose_at(&scene.carries[hold.carry], (scene, performance), seconds),
+            Owner::Left { pose, .. } => *pose,
+        }
+    }
+
+    /// The span that holds at a scene time; at a hand-over the one that begins.
+    pub fn span_at(&self, seconds: f64) -> &Span {
+        &self.spans[self.spans.partition_point(|span| span.from <= seconds).saturating_sub(1)]
+    }
+
+    /// The span that holds just before a scene time: at a hand-over the one that ends.
+    pub fn span_before(&self, seconds: f64) -> &Span {
+        let before = |span: &Span| span.from < seconds - SAME_MOMENT;
+        &self.spans[self.spans.partition_point(before).saturating_sub(1)]
+    }
+
+    /// Pose at a scene time. `performance`: the one the motion was made of. Cost: linear in joints.
+    pub fn pose_at(&self, scene: &Scene, performance: &impl Performance, seconds: f64) -> ObjectPose {
+        let span = self.spans.partition_point(|span| span.from <= seconds).saturating_sub(1);
+        self.pose_in(span, (scene, performance), seconds)
+    }
+}
+
+impl Hold {
+    /// The hold of the carry `index` from one time to another of an object that is at `pose` at first.
+    fn at(
+        scene: &Scene,
+        performance: &impl Performance,
+        (index, [from, to]): (usize, [f64; 2]),
+        pose: ObjectPose,
+    ) -> Self {
+        let carry = &scene.carries[index];
+        // Frame by frame of whoever says when: time may be stretched out of all proportion.
+        let who = carry.during.0.character;
+        let [first, last] = [from, to].map(|seconds| performance.frame(who, seconds));
+        let frames = (0..=floor_index(last - first)).map(|k| first + k as f64).chain([last]);
+        let instants = frames.map(|frame| performance.time(who, frame));
+        let by_hands = instants.map(|seconds| Hands::at(scene, performance, carry, seconds)).all(|hands| {
+            let width = plan_of(hands.across).norm();
+            width >= LEAST_WIDTH
+        });
+        let hands = Hands::at(scene, performance, carry, from);
+        let size = scene.objects[carry.object.as_usize()].size;
+        let grips = hands.grips.iter().map(|(character, joint, frame)| Grip {
+            character: *character,
+            joint: *joint,
+            point: within_reach(size, pose.local(frame.position)),
+        });
+        let attachment = hands.frame(by_hands).relative(&pose);
+        Self { carry: index, attachment, by_hands, grips: grips.collect() }
+    }
+
+    fn pose_at(
+        &self,
+        carry: &Carry,
+        (scene, performance): (&Scene, &impl Performance),
+        seconds: f64,
+    ) -> ObjectPose {
+        Hands::at(scene, performance, carry, seconds).frame(self.by_hands).compose(&self.attachment)
+    }
+}
+
+/// The point nearest to `point` from which a palm reaches a box of some size.
+fn within_reach([ahead, up, across]: [f64; 3], point: DVec3) -> DVec3 {
+    let corner = DVec3::new(0.5 * ahead, up, 0.5 * across);
+    let nearest = point.clamp(DVec3::new(-corner.x, 0.0, -corner.z), corner);
+    let away = point - nearest;
+    if away.length() > PALM { nearest + away * (PALM / away.length()) } else { point }
+}
+
+/// The hands of everybody who carries an object, at one instant.
+struct Hands {
+    middle: DVec3,
+    /// From left to right.
+    across: DVec3,
+    /// Of the first carrier's body, radians.
+    body: f64,
+    grips: Vec<(CharacterId, JointId, JointFrame)>,
+}
+
+impl Hands {
+    fn at(scene: &Scene, performance: &impl Performance, carry: &Carry, seconds: f64) -> Self {
+        let mut grips = Vec::with_capacity(4);
+        let mut body = None;
+        for who in &carry.by {
+            let skeleton = skeleton_of(scene, *who);
+            let pose = performance.pose(*who, performance.frame(*who, seconds));
+            let frames = skeleton.forward_kinematics(&pose);
+            body = body.or_else(|| Some(heading(skeleton, &frames)));
+            for hand in [JointRole::LeftHand, JointRole::RightHand] {
+                let joint = skeleton.joint_of(hand).expect("who carries in a checked scene has hands");
+                grips.push((*who, joint, frames[joint.as_usize()]));
+            }
+        }
+        let place = |hand: usize| grips[hand].2.position;
+        let (left, right) = match grips.len() {
+            2 => (place(0), place(1)),
+            _ => (place(0).midpoint(place(1)), place(2).midpoint(place(3))),
+        };
+        Self {
+            middle: left.midpoint(right),
+            across: right - left,
+            body: body.expect("somebody carries in a checked scene"),
+            grips,
+        }
+    }
+
+    fn frame(&self, by_hands: bool) -> ObjectPose {
+        let facing = if by_hands { plan_of(self.across).arg() } else { self.body };
+        ObjectPose { position: self.middle, facing }
+    }
+}
+
+/// Skeleton of a character.
+pub fn skeleton_of(scene: &Scene, who: CharacterId) -> &Skeleton {
+    &scene.characters[who.as_usize()].track.clips[0].clip.skeleton
+}
+
+/// Facing of a body; where it shows none, that of its root.
+fn heading(skeleton: &Skeleton, frames: &[JointFrame]) -> f64 {
+    facing(skeleton, frames).unwrap_or_else(|| plan_of(frames[0].rotation * DVec3::Z).arg())
+}

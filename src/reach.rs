@@ -1,0 +1,270 @@
+//! What hands and other joints must reach, sample by sample, and by how much a motion misses it.
+//!
+//! Targets are those of the full body: the hands of whoever carries an object, where they hold it, and the end effectors of
+//! the scene. Samples are scene times of one character, the frames of the clock and [`constrained_times`] between them.
+
+use std::ops::Range;
+
+use glam::{DQuat, DVec3};
+
+use crate::constraint::When;
+use crate::effector::{EffectorTarget, EndEffector, Orientation};
+use crate::geometry::yaw;
+use crate::index::{CharacterId, JointId};
+use crate::object_motion::{
+    AtRest, ObjectMotion, Owner, Performance, moment_time, object_motions, skeleton_of,
+};
+use crate::scene::Scene;
+use crate::skeleton::{JointFrame, JointRole};
+
+/// Samples this near to a moment are at it, seconds.
+const AT_MOMENT: f64 = 1e-7;
+
+/// What comes nearer than this is reached, metres.
+pub const REACHED: f64 = 1e-3;
+
+/// What asks for a joint to be somewhere.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Source {
+    /// A carry, by position in [`Scene::carries`].
+    Carry(usize),
+    /// An end effector, by position in [`Scene::end_effectors`].
+    EndEffector(usize),
+}
+
+/// Where a joint of a character must be over a stretch of its samples.
+#[derive(Clone, Debug, PartialEq)]
+pub struct JointTarget {
+    /// What asks for it.
+    pub source: Source,
+    /// Which joint.
+    pub joint: JointId,
+    /// Which samples.
+    pub samples: Range<usize>,
+    /// In the world, one a sample of the stretch, metres.
+    pub positions: Vec<DVec3>,
+    /// From the joint's axes to the world's, one a sample; empty: not held.
+    pub rotations: Vec<DQuat>,
+}
+
+/// A scene with its objects, as somebody performs it.
+#[derive(Clone, Copy)]
+pub struct Stage<'a, P> {
+    /// The scene.
+    pub scene: &'a Scene,
+    /// How everybody moves: before the full body, what object motions were made of.
+    pub performance: &'a P,
+    /// The objects along time.
+    pub objects: &'a [ObjectMotion],
+}
+
+/// Scene times of all moments that ask for something of a character's joints, rising.
+pub fn constrained_times(scene: &Scene, performance: &impl Performance, who: CharacterId) -> Vec<f64> {
+    let effectors = scene.end_effectors.iter().flat_map(EndEffector::moments);
+    let carries = scene.carries.iter().filter(|carry| carry.by.contains(&who));
+    let own = effectors.filter(|moment| moment.character == who);
+    let all = own.chain(carries.flat_map(|carry| [&carry.during.0, &carry.during.1]));
+    let mut times: Vec<f64> = all.map(|moment| moment_time(scene, performance, moment)).collect();
+    times.sort_by(f64::total_cmp);
+    times.dedup();
+    times
+}
+
+/// Targets of a character's hands while they carry: of the wrists; how they are turned is left to the motion. `samples`: scene times, rising. Cost: linear in samples and joints.
+pub fn carry_targets<P: Performance>(
+    stage: &Stage<'_, P>,
+    who: CharacterId,
+    samples: &[f64],
+) -> Vec<JointTarget> {
+    let mut targets = Vec::new();
+    for motion in stage.objects {
+        for span in &motion.spans {
+            let Owner::Carried(hold) = &span.owner else {
+                continue;
+            };
+            let range = within(samples, span.from, span.to);
+            let own = hold.grips.iter().filter(|grip| grip.character == who);
+            if range.is_empty() || own.clone().next().is_none() {
+                continue;
+            }
+            let times = &samples[range.clone()];
+            let poses: Vec<_> =
+                times.iter().map(|time| motion.pose_at(stage.scene, stage.performance, *time)).collect();
+            targets.extend(own.map(|grip| JointTarget {
+                source: Source::Carry(hold.carry),
+                joint: grip.joint,
+                samples: range.clone(),
+                positions: poses.iter().map(|pose| pose.apply(grip.point)).collect(),
+                rotations: Vec::new(),
+            }));
+        }
+    }
+    targets
+}
+
+/// Targets of a character's end effectors, and of its hands that meet those of others. `samples`: scene times, rising, all
+/// [`constrained_times`] among them. Cost: linear in samples and joints.
+pub fn effector_targets<P: Performance>(
+    stage: &Stage<'_, P>,
+    who: CharacterId,
+    samples: &[f64],
+) -> Vec<JointTarget> {
+    let mut targets = Vec::new();
+    let rest_objects = object_motions(stage.scene, &AtRest(stage.scene));
+    let rest = Stage { scene: stage.scene, performance: &AtRest(stage.scene), objects: &rest_objects };
+    for (index, effector) in stage.scene.end_effectors.iter().enumerate() {
+        let source = Source::EndEffector(index);
+        let reach = Reach { effector, own: effector.when.character() };
+        if reach.own == who {
+            let [from, to] = ends(stage, &effector.when);
+            let range = within(samples, from, to);
+            let aims = samples[range.clone()].iter().map(|time| reach.aim(stage, &rest, *time));
+            let (positions, rotations): (Vec<DVec3>, Vec<Option<DQuat>>) = aims.unzip();
+            let rotations = rotations.into_iter().flatten().collect();
+            targets.push(JointTarget { source, joint: effector.joint, samples: range, positions, rotations });
+        }
+        if let Some((joint, [from, to])) = reach.met_by(stage, who) {
+            let range = within(samples, from, to);
+            let own = |time: f64| reach.own_time(stage, time);
+            let positions = samples[range.clone()].iter().map(|time| reach.aim(stage, &rest, own(*time)).0);
+            let (positions, rotations) = (positions.collect(), Vec::new());
+            targets.push(JointTarget { source, joint, samples: range, positions, rotations });
+        }
+    }
+    targets.retain(|target| !target.samples.is_empty());
+    targets
+}
+
+/// Largest distance of each end effector's joint from what it reaches, metres: over an interval on all ticks of the scene's
+/// clock within and at both ends. Cost: linear in samples and joints.
+pub fn effector_residuals<P: Performance>(stage: &Stage<'_, P>) -> Vec<f64> {
+    let miss = |effector: &EndEffector| {
+        let reach = Reach { effector, own: effector.when.character() };
+        let [from, to] = ends(stage, &effector.when);
+        let fps = stage.scene.fps;
+        let first = (from * fps).ceil();
+        let ticks = (0..).map(|k| (first + f64::from(k)) / fps).take_while(|time| *time < to);
+        let apart = |time: f64| {
+            let own = joint_at(stage, reach.own, effector.joint, time).position;
+            own.distance(reach.partner(stage, time).0.position)
+        };
+        [from, to].into_iter().chain(ticks).map(apart).fold(0.0, f64::max)
+    };
+    stage.scene.end_effectors.iter().map(miss).collect()
+}
+
+/// Samples from one time to another, both included.
+fn within(samples: &[f64], from: f64, to: f64) -> Range<usize> {
+    let first = samples.partition_point(|time| *time < from - AT_MOMENT);
+    first..samples.partition_point(|time| *time <= to + AT_MOMENT).max(first)
+}
+
+/// Scene times of a moment, twice, or of both ends of an interval.
+fn ends<P: Performance>(stage: &Stage<'_, P>, when: &When) -> [f64; 2] {
+    let time = |moment| moment_time(stage.scene, stage.performance, moment);
+    match when {
+        When::At(moment) => [time(moment); 2],
+        When::During(from, to) => [time(from), time(to)],
+    }
+}
+
+/// Frames of the track likewise.
+fn end_frames(scene: &Scene, when: &When) -> [f64; 2] {
+    match when {
+        When::At(moment) => [scene.frame_of(moment); 2],
+        When::During(from, to) => [scene.frame_of(from), scene.frame_of(to)],
+    }
+}
+
+fn joint_at<P: Performance>(stage: &Stage<'_, P>, who: CharacterId, joint: JointId, time: f64) -> JointFrame {
+    let pose = stage.performance.pose(who, stage.performance.frame(who, time));
+    skeleton_of(stage.scene, who).forward_kinematics(&pose)[joint.as_usize()]
+}
+
+/// The time of `other` that goes with a time of `when`: at the same share of the frames of an interval.
+fn paired_time<P: Performance>(stage: &Stage<'_, P>, (when, other): (&When, &When), time: f64) -> f64 {
+    let [from, to] = end_frames(stage.scene, when);
+    let [start, end] = end_frames(stage.scene, other);
+    let frame = stage.performance.frame(when.character(), time);
+    let share = if to > from { ((frame - from) / (to - from)).clamp(0.0, 1.0) } else { 0.0 };
+    stage.performance.time(other.character(), start + share * (end - start))
+}
+
+/// An end effector and whose it is.
+struct Reach<'a> {
+    effector: &'a EndEffector,
+    own: CharacterId,
+}
+
+impl Reach<'_> {
+    /// What is reached at an own time, with its axes; and whether it comes to meet the joint.
+    fn partner<P: Performance>(&self, stage: &Stage<'_, P>, time: f64) -> (JointFrame, bool) {
+        match &self.effector.target {
+            EffectorTarget::World(position) => {
+                (JointFrame { position: *position, rotation: DQuat::IDENTITY }, false)
+            }
+            EffectorTarget::Object { object, point } => {
+                let pose = stage.objects[object.as_usize()].pose_at(stage.scene, stage.performance, time);
+                (JointFrame { position: pose.apply(*point), rotation: yaw(pose.facing) }, false)
+            }
+            EffectorTarget::Joint { character, joint, when } => {
+                let theirs = when
+                    .as_ref()
+                    .map_or(time, |other| paired_time(stage, (&self.effector.when, other), time));
+                let hands = is_hand(stage.scene, self.own, self.effector.joint)
+                    && is_hand(stage.scene, *character, *joint);
+                (joint_at(stage, *character, *joint, theirs), hands)
+            }
+        }
+    }
+
+    /// Where the joint must be at an own time, and how turned where that is held.
+    fn aim<P: Performance>(
+        &self,
+        stage: &Stage<'_, P>,
+        rest: &Stage<'_, AtRest<'_>>,
+        time: f64,
+    ) -> (DVec3, Option<DQuat>) {
+        let (partner, meets) = self.partner(stage, time);
+        let position = if meets {
+            joint_at(stage, self.own, self.effector.joint, time).position.midpoint(partner.position)
+        } else {
+            partner.position
+        };
+        let rotation = self.effector.orientation.map(|orientation| match orientation {
+            Orientation::Given(turn) => partner.rotation * turn,
+            Orientation::AsBefore => {
+                let before = rest.performance.time(self.own, stage.performance.frame(self.own, time));
+                let own = joint_at(rest, self.own, self.effector.joint, before).rotation;
+                partner.rotation * (self.partner(rest, before).0.rotation.inverse() * own)
+            }
+        });
+        (position, rotation)
+    }
+
+    /// The hand of `who` that comes to meet the joint, and from when to when.
+    fn met_by<P: Performance>(&self, stage: &Stage<'_, P>, who: CharacterId) -> Option<(JointId, [f64; 2])> {
+        let EffectorTarget::Joint { character, joint, when } = &self.effector.target else {
+            return None;
+        };
+        let hands =
+            is_hand(stage.scene, self.own, self.effector.joint) && is_hand(stage.scene, *character, *joint);
+        let times = ends(stage, when.as_ref().unwrap_or(&self.effector.when));
+        (hands && *character == who).then_some((*joint, times))
+    }
+
+    /// The own time that goes with a time of the partner.
+    fn own_time<P: Performance>(&self, stage: &Stage<'_, P>, time: f64) -> f64 {
+        match &self.effector.target {
+            EffectorTarget::Joint { when: Some(other), .. } => {
+                paired_time(stage, (other, &self.effector.when), time)
+            }
+            _ => time,
+        }
+    }
+}
+
+fn is_hand(scene: &Scene, who: CharacterId, joint: JointId) -> bool {
+    let role = skeleton_of(scene, who).joints[joint.as_usize()].role;
+    matches!(role, Some(JointRole::LeftHand | JointRole::RightHand))
+}
