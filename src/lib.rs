@@ -40,6 +40,7 @@ pub mod track;
 pub mod scene;
 pub mod edit;
 pub mod resample;
+pub mod full_body;
 pub mod metrics;
 pub mod residual;
 pub mod export;
