@@ -32,8 +32,8 @@ fn names_in(folder: &Path) -> Vec<String> {
     names
 }
 
-/// Bodies of which little or nothing is known: one joint, a chain without names, one frame, no extent at all.
-const ODD: [&str; 4] = [
+/// Bodies of which little or nothing is known: one joint, a chain without names, one frame, no extent at all, far too much.
+const ODD: [&str; 5] = [
     "HIERARCHY\nROOT a\n{\nOFFSET 0 0 0\nCHANNELS 6 Xposition Yposition Zposition Zrotation Xrotation Yrotation\n\
      End Site\n{\nOFFSET 0 1 0\n}\n}\nMOTION\nFrames: 3\nFrame Time: 0.0333333\n\
      0 0 0 0 0 0\n1 0 0 9 9 9\n2 0 0 0 0 0\n",
@@ -45,6 +45,9 @@ const ODD: [&str; 4] = [
     "HIERARCHY\nROOT Hips\n{\nOFFSET 0 0 0\nCHANNELS 3 Xposition Yposition Zposition\nJOINT LeftUpLeg\n{\nOFFSET 0 0 0\n\
      CHANNELS 1 Xrotation\nEnd Site\n{\nOFFSET 0 0 0\n}\n}\nJOINT RightUpLeg\n{\nOFFSET 0 0 0\nCHANNELS 1 Xrotation\n\
      End Site\n{\nOFFSET 0 0 0\n}\n}\n}\nMOTION\nFrames: 2\nFrame Time: 0.01\n0 0 0 0 0\n0 9 0 9 9\n",
+    "HIERARCHY\nROOT Hips\n{\nOFFSET 0 0 0\nCHANNELS 3 Xposition Yposition Zposition\nJOINT LeftUpLeg\n{\nOFFSET 1e150 0 0\n\
+     CHANNELS 1 Xrotation\nJOINT LeftFoot\n{\nOFFSET 0 -1e200 0\nCHANNELS 1 Xrotation\nEnd Site\n{\nOFFSET 0 0 0\n}\n}\n}\n}\n\
+     MOTION\nFrames: 3\nFrame Time: 0.01\n0 0 0 0 0\n1e200 9 0 9 9\n0 -1e250 0 0 0\n",
 ];
 
 const VIEWS: [StripView; 4] = [StripView::Side, StripView::Front, StripView::Above, StripView::ThreeQuarter];

@@ -73,6 +73,23 @@ pub enum ReadNote {
         /// First frames after the jumps.
         frames: Vec<SourceFrame>,
     },
+    /// The file does not state its rate; that of most captures in its format was taken.
+    RateAssumed {
+        /// Frames per second.
+        fps: f64,
+    },
+    /// Rotations whose four numbers are not those of a rotation; they were scaled.
+    RotationsScaled {
+        /// Frames with such rotations.
+        frames: Vec<SourceFrame>,
+        /// Length farthest from 1.
+        length: f64,
+    },
+    /// Frames that last longer or shorter than most; they were taken to last as long.
+    UnevenFrames {
+        /// Which.
+        frames: Vec<SourceFrame>,
+    },
     /// The body falls faster than bodies do.
     DoubtfulFall {
         /// Downward acceleration of the mean of the joints, m/s².
@@ -152,6 +169,22 @@ impl fmt::Display for ReadNote {
             Self::Jumps { frames } => write!(
                 f,
                 "the body jumps farther than it can: before {}; give `frames` to leave it out",
+                frame_list(frames)
+            ),
+            Self::RateAssumed { fps } => {
+                write!(
+                    f,
+                    "the file does not state its rate, {fps} frames a second taken; give `fps` to settle it"
+                )
+            }
+            Self::RotationsScaled { frames, length } => write!(
+                f,
+                "quaternions of length {length:.2} instead of 1 were scaled: {}; the motion was edited by hand there",
+                frame_list(frames)
+            ),
+            Self::UnevenFrames { frames } => write!(
+                f,
+                "frames that last longer or shorter than the others were taken to last as long: {}",
                 frame_list(frames)
             ),
             Self::DoubtfulFall { gravity, fps, likely_fps } => write!(

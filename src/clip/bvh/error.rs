@@ -44,6 +44,17 @@ pub enum BvhError {
     /// One channel twice in one joint.
     #[error("{at}: joint `{joint}` has the channel `{channel}` twice; each may stand once")]
     RepeatedChannel { at: Position, joint: String, channel: String },
+    /// No joint has a channel, so that there is nothing to say in a row.
+    #[error("{at}: no joint has channels, so that the file has no motion; give the root its CHANNELS line")]
+    NoChannels { at: Position },
+    /// Far more joints and frames than the text speaks of.
+    #[error(
+        "{at}: {frames} frames of {joints} joints, of which hardly any has channels; leave out joints that do not turn"
+    )]
+    TooManyRotations { at: Position, joints: usize, frames: usize },
+    /// A coordinate that no body has.
+    #[error("{at}: {found:e} is no coordinate; all must stay within {most} file units")]
+    TooFar { at: Position, found: f64, most: f64 },
     /// The motion has no frames.
     #[error("{at}: the file has no frames; a clip needs one at least")]
     NoFrames { at: Position },
@@ -85,6 +96,9 @@ impl BvhError {
             | Self::UnknownChannel { at, .. }
             | Self::ChannelCount { at, .. }
             | Self::RepeatedChannel { at, .. }
+            | Self::NoChannels { at }
+            | Self::TooManyRotations { at, .. }
+            | Self::TooFar { at, .. }
             | Self::NoFrames { at, .. }
             | Self::FrameTime { at, .. }
             | Self::RowLength { at, .. }

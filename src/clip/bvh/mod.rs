@@ -1,7 +1,8 @@
 //! Reads the text of BVH files of any flavour: joints, channels, rows.
 //!
-//! Limits: 65 536 joints, 2³² − 1 frames, a frame time of 1 µs to 10 s, one body a file. Memory follows what a file holds, never what it announces, and
-//! nesting costs no stack. Reading takes keywords and channels in any case, any channel order and any rotation order.
+//! Limits: 65 536 joints, 2³² − 1 frames, joints times frames up to 2¹⁹ and one more for every 4 bytes, coordinates up to
+//! 10⁹ file units, a frame time of 1 µs to 10 s, one body a file. Memory follows what a file holds, never what it announces,
+//! and nesting costs no stack. Reading takes keywords and channels in any case, any channel order and any rotation order.
 //!
 //! Conventions that files leave open:
 //! - Position channels of the root replace its OFFSET, a channel that is missing keeps the OFFSET's coordinate. Joints below

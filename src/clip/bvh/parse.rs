@@ -8,6 +8,14 @@ use crate::skeleton::Axis;
 /// Most joints a file may have.
 pub(super) const JOINT_LIMIT: usize = 65_536;
 
+/// Coordinates beyond this, file units, belong to no body.
+const FARTHEST: f64 = 1e9;
+
+/// Joints times frames that any file may have, and how many bytes of a larger file must stand behind each: joints without
+/// channels take memory that no text pays for. Captures have 10 bytes and more a joint.
+const FREE_ROTATIONS: usize = 1 << 19;
+const BYTES_PER_ROTATION: usize = 4;
+
 /// Frame times outside these are none, seconds; ten seconds a frame already make 300 working frames each.
 const SHORTEST_FRAME: f64 = 1e-6;
 const LONGEST_FRAME: f64 = 10.0;
@@ -71,8 +79,15 @@ pub(super) fn parse(bytes: &[u8], repair: bool) -> Result<RawBvh, BvhError> {
     }
     end_line(&mut cursor)?;
     let channels: Vec<Channel> = joints.iter().flat_map(|joint| joint.channels.iter().copied()).collect();
+    if channels.is_empty() {
+        return Err(BvhError::NoChannels { at: cursor.position(frames_word.start) });
+    }
     let mut gaps = Vec::new();
-    let mut values = rows(&mut cursor, frame_count, channels.len(), repair.then_some(&mut gaps))?;
+    let mut values = rows(&mut cursor, frame_count, &channels, repair.then_some(&mut gaps))?;
+    if joints.len().saturating_mul(frame_count) > FREE_ROTATIONS + bytes.len() / BYTES_PER_ROTATION {
+        let at = cursor.position(frames_word.start);
+        return Err(BvhError::TooManyRotations { at, joints: joints.len(), frames: frame_count });
+    }
     let is_angle = |column: usize| matches!(channels[column], Channel::Rotation(_));
     let mended = fill_gaps(&mut values, channels.len(), &gaps, is_angle)
         .map_err(|gap| BvhError::LongGap { at: cursor.position(gap.start), limit: LONGEST_GAP })?;
@@ -257,18 +272,21 @@ fn channel(word: &[u8]) -> Option<Channel> {
     }
 }
 
-/// `frame_count` lines of `width` numbers, blank lines skipped.
+/// `frame_count` lines of a number for each of `channels`, blank lines skipped.
 ///
 /// With `gaps`, values that are no finite numbers go there and are NaN in the rows.
 fn rows(
     cursor: &mut Cursor<'_>,
     frame_count: usize,
-    width: usize,
+    channels: &[Channel],
     mut gaps: Option<&mut Vec<Gap>>,
 ) -> Result<Vec<f64>, BvhError> {
+    let width = channels.len();
+    let is_place = |column: &usize| matches!(channels[*column], Channel::Position(_));
+    let places: Vec<usize> = (0..width).filter(is_place).collect();
     // The count is only announced; what follows can hold one number in two bytes at most.
     let mut values = Vec::with_capacity((cursor.remaining() / 2).min(frame_count.saturating_mul(width)));
-    for row in 0..if width == 0 { 0 } else { frame_count } {
+    for row in 0..frame_count {
         let Some(first) = cursor.peek() else {
             return Err(BvhError::RowsMissing { at: cursor.here(), announced: frame_count, found: row });
         };
@@ -281,6 +299,12 @@ fn rows(
                 expected: width,
                 found,
             });
+        }
+        let numbers = &values[row * width..];
+        if let Some(&found) =
+            places.iter().map(|&column| &numbers[column]).find(|found| found.abs() > FARTHEST)
+        {
+            return Err(BvhError::TooFar { at: cursor.position(first.start), found, most: FARTHEST });
         }
     }
     match cursor.word() {
@@ -339,7 +363,11 @@ fn three_numbers(cursor: &mut Cursor<'_>) -> Result<[f64; 3], BvhError> {
     let mut numbers = [0.0; 3];
     for number in &mut numbers {
         let word = cursor.next("a number")?;
-        *number = cursor.number(word)?;
+        let found = cursor.number(word)?;
+        if found.abs() > FARTHEST {
+            return Err(BvhError::TooFar { at: cursor.position(word.start), found, most: FARTHEST });
+        }
+        *number = found;
     }
     Ok(numbers)
 }

@@ -26,7 +26,7 @@ const BODY: [(&str, &str, &[&str]); 5] = [
 /// the facts.
 pub fn facts_text(facts: &ClipFacts) -> String {
     let mut lines = vec![clipped(&facts.file, WIDTH)];
-    for (key, value, most) in entries(facts) {
+    for (key, value, most) in measures(facts).into_iter().chain(phases(facts)).chain(joints(facts)) {
         put(&mut lines, key, &value, most);
     }
     put_warnings(&mut lines, &facts.warnings);
@@ -37,12 +37,14 @@ pub fn facts_text(facts: &ClipFacts) -> String {
     text
 }
 
-/// Key, value and the most lines of each entry.
-fn entries(facts: &ClipFacts) -> Vec<(&'static str, String, usize)> {
+/// Key, value and the most lines it may take.
+type Entry = (&'static str, String, usize);
+
+/// What is measured of the whole clip.
+fn measures(facts: &ClipFacts) -> Vec<Entry> {
     let FrameRange { from, to } = facts.usable;
-    let span = f64::from(to - from).max(1.0);
     let speed = facts.root_path / facts.seconds.max(1.0 / facts.fps);
-    let mut entries = vec![
+    vec![
         (
             "skeleton",
             format!(
@@ -72,7 +74,13 @@ fn entries(facts: &ClipFacts) -> Vec<(&'static str, String, usize)> {
             ),
             1,
         ),
-    ];
+    ]
+}
+
+/// When what happens: feet on the ground, flights, rests, events.
+fn phases(facts: &ClipFacts) -> Vec<Entry> {
+    let span = f64::from(facts.usable.to - facts.usable.from).max(1.0);
+    let mut entries = Vec::new();
     for (key, foot) in ["left foot", "right foot"].into_iter().zip(&facts.feet) {
         let frames: u32 = foot.ranges.iter().map(|range| range.to - range.from).sum();
         let share = 100.0 * f64::from(frames) / span;
@@ -91,7 +99,6 @@ fn entries(facts: &ClipFacts) -> Vec<(&'static str, String, usize)> {
             facts.events.iter().map(|event| format!("{} {}", event.name, event.frame)).collect();
         entries.push(("events", events.join(", "), 2));
     }
-    entries.extend(joints(facts));
     entries
 }
 
@@ -105,7 +112,7 @@ fn turn(degrees: f64) -> String {
 }
 
 /// Every role with its joint, by limbs; the roles without one; how many joints have none.
-fn joints(facts: &ClipFacts) -> Vec<(&'static str, String, usize)> {
+fn joints(facts: &ClipFacts) -> Vec<Entry> {
     let joint_of =
         |role: &str| facts.roles.iter().find(|fact| fact.role == role).map(|fact| fact.joint.as_str());
     let mut entries = Vec::new();

@@ -147,7 +147,10 @@ pub fn read(capture: Capture<'_>, name: &str, options: &ReadOptions) -> Result<R
     };
     override_roles(&mut clip, &options.roles)?;
     match options.fps {
-        Some(fps) => clip.fps = fps,
+        Some(fps) => {
+            clip.fps = fps;
+            notes.retain(|note| !matches!(note, ReadNote::RateAssumed { .. }));
+        }
         None if guess::is_film_rate(header_fps) => notes.push(ReadNote::FilmRate { fps: header_fps }),
         None => {}
     }

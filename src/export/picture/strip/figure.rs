@@ -5,13 +5,14 @@
 
 use glam::DVec3;
 
+use super::fit::{Foot, fit_foot, fit_head, ground};
 use super::landmarks::{Axes, Landmarks, Sides};
 use crate::clip::Clip;
-use crate::clip::contacts::{BodyPoint, FootPoint, foot_point, percentile, sampled_frames};
+use crate::clip::contacts::{FootPoint, foot_point, sampled_frames};
 use crate::clip::roles::is_helper;
 use crate::clip::working::WORKING_STEP;
 use crate::export::gltf::body_mesh::body_scale;
-use crate::index::{JointId, floor_index};
+use crate::index::JointId;
 use crate::skeleton::{JointFrame, JointRole, Skeleton};
 
 /// What a part of the body is drawn like.
@@ -69,35 +70,18 @@ pub(super) struct Figure<'a> {
     /// Height of the ground, metres.
     pub(super) ground: f64,
     feet: Sides<Option<Foot>>,
-    /// Head joint, with the head's axes in it.
+    /// Joint that carries the head, with the head's axes in it.
     head: Option<(JointId, Axes)>,
 }
 
-/// A foot: heel and ball move with the ankle joint, the tip with the toe joint where there is one.
-struct Foot {
-    heel: BodyPoint,
-    ball: BodyPoint,
-    tip: BodyPoint,
-}
-
-/// Share of the frames in which a foot is lower than the ground is taken to be.
-const GROUND_PERCENTILE: f64 = 0.02;
-/// Middle of the toe joint above the ground, metres.
-const TOE_HEIGHT: f64 = 0.026;
-/// Middle of the ankle joint above the ground, metres.
-const ANKLE_HEIGHT: f64 = 0.085;
-/// Ankle to tip of the toes, less the rounding of the tip, metres.
-const FOOT_LENGTH: f64 = 0.185;
 /// Base of the neck to the base of the skull at most, metres: files put head joints anywhere up to the forehead.
 const LONGEST_NECK: f64 = 0.1;
 /// The neck stands out of the shirt, whichever is nearer by a little, metres.
 const HEAD_BIAS: f64 = 0.05;
+/// The outline of the seat is drawn first, metres: farther than any limb reaches.
+const SEAT_BIAS: f64 = -5.0;
 /// The shirt hangs over a stretched leg that is nearer by less, metres.
 const LEG_BIAS: f64 = 0.12;
-/// A foot is on the ground below this height above its floor, metres.
-const GROUNDED: f64 = 0.015;
-/// Of the frames with a foot on the ground the one that is taken for flat, by rising height of the ankle.
-const FLAT_PERCENTILE: f64 = 0.25;
 
 impl<'a> Figure<'a> {
     /// Fits a body to the usable frames of `clip`. Cost: linear in the clip.
@@ -122,8 +106,12 @@ impl<'a> Figure<'a> {
             return self.bones(frames);
         };
         let group = |kind, parts, bias| Group { kind, parts, bias };
+        let trunk = self.trunk(&marks);
+        let seat =
+            trunk.iter().filter(|part| !part.rim).map(|part| Part { rim: true, ..part.clone() }).collect();
         let mut groups = vec![
-            group(Kind::Trunk, self.trunk(&marks), 0.0),
+            group(Kind::Trunk, seat, SEAT_BIAS),
+            group(Kind::Trunk, trunk, 0.0),
             group(Kind::Head, self.head(&marks, frames), HEAD_BIAS),
         ];
         for side in Sides::<()>::BOTH {
@@ -150,7 +138,7 @@ impl<'a> Figure<'a> {
             |sign: f64| (hips + left * (sign * 0.062 * s) + up * (0.01 * s) - ahead * (0.008 * s), 0.098);
         let waist = hips.lerp(middle, 0.55);
         let pelvis = self.part(Cloth::Trousers, &[seat(1.0), seat(-1.0), (waist - up * (0.03 * s), 0.1)]);
-        // Thighs have outlines of their own, and none across the trousers.
+        // Its outline lies behind everything: none runs across trousers.
         let pelvis = Part { rim: false, ..pelvis };
         let belly = |sign: f64| (waist + left * (sign * 0.035 * s) + ahead * (0.006 * s), 0.098);
         let ribs = |sign: f64| (middle + marks.axes.left * (sign * 0.06 * s), 0.102);
@@ -170,14 +158,15 @@ impl<'a> Figure<'a> {
         let (base, Axes { ahead, up, .. }) = match &self.head {
             Some((joint, axes)) => {
                 let frame = frames[joint.as_usize()];
-                let neck = (frame.position - marks.neck).clamp_length_max(LONGEST_NECK * s);
-                (marks.neck + neck, axes.turned(frame.rotation))
+                let axes = axes.turned(frame.rotation);
+                let is_head = self.skeleton.joints[joint.as_usize()].role == Some(JointRole::Head);
+                let neck = if is_head { frame.position - marks.neck } else { axes.up * s };
+                (marks.neck + neck.clamp_length_max(LONGEST_NECK * s), axes)
             }
-            None => (marks.neck + marks.axes.up * (0.07 * s), marks.axes),
+            None => (marks.neck + marks.axes.up * (LONGEST_NECK * s), marks.axes),
         };
         let at = |upwards: f64, forward: f64| base + up * (upwards * s) + ahead * (forward * s);
-        let neck = self
-            .part(Cloth::Skin, &[(marks.neck - marks.axes.up * (0.02 * s), 0.055), (at(0.03, -0.005), 0.05)]);
+        let neck = self.part(Cloth::Skin, &[(marks.neck, 0.052), (at(0.03, -0.005), 0.05)]);
         let face = self.part(Cloth::Skin, &[(at(0.108, 0.018), 0.084), (at(0.028, 0.052), 0.043)]);
         let nose = self.part(Cloth::Skin, &[(at(0.092, 0.092), 0.012), (at(0.062, 0.106), 0.015)]);
         let hair = self.part(Cloth::Hair, &[(at(0.142, -0.012), 0.077), (at(0.085, -0.042), 0.057)]);
@@ -268,79 +257,6 @@ fn leg_bias(joints: &[Option<JointId>; 3], axes: Axes, frames: &[JointFrame]) ->
     };
     let thigh = frames[knee.as_usize()].position - frames[hip.as_usize()].position;
     LEG_BIAS * thigh.normalize_or_zero().dot(axes.up).min(0.0)
-}
-
-/// Height of the ground: below the lowest foot, else below the lowest joint.
-fn ground(skeleton: &Skeleton, poses: &[Vec<JointFrame>], scale: f64) -> f64 {
-    let floor = |point: FootPoint| {
-        let at = foot_point(skeleton, point)?;
-        let heights = poses.iter().map(|frames| at.place(frames).y).collect();
-        let above = if point.is_toe() { TOE_HEIGHT } else { ANKLE_HEIGHT };
-        Some((point.is_toe(), percentile(heights, GROUND_PERCENTILE) - above * scale))
-    };
-    let floors: Vec<(bool, f64)> = FootPoint::ALL.into_iter().filter_map(floor).collect();
-    let has_toes = floors.iter().any(|(is_toe, _)| *is_toe);
-    let lowest = floors.iter().filter(|(is_toe, _)| *is_toe == has_toes).map(|(_, floor)| *floor);
-    lowest
-        .reduce(f64::min)
-        .unwrap_or_else(|| poses.iter().flatten().map(|frame| frame.position.y).fold(f64::INFINITY, f64::min))
-}
-
-/// A foot that stands flat in its flat pose.
-fn fit_foot(
-    poses: &[Vec<JointFrame>],
-    ankle: BodyPoint,
-    toe: Option<BodyPoint>,
-    (ground, scale): (f64, f64),
-) -> Option<Foot> {
-    let flat = flat_pose(poses, ankle, toe)?;
-    let under = ankle.place(flat);
-    let hidden_toe = || flat[ankle.joint.as_usize()].rotation * DVec3::Z + under;
-    let ahead =
-        (toe.map_or_else(hidden_toe, |toe| toe.place(flat)) - under).with_y(0.0).normalize_or(DVec3::Z);
-    // The ground of this very step: feet that never come down, or stand on a stool, keep their shape.
-    let sole = ground.max(under.y - 1.3 * ANKLE_HEIGHT * scale).min(under.y - 0.045 * scale);
-    let at = |forward: f64, height: f64| (under + ahead * (forward * scale)).with_y(sole + height * scale);
-    let to_toe = toe.map_or(0.13 * scale, |toe| (toe.place(flat) - under).with_y(0.0).length()) / scale;
-    let ball = to_toe.clamp(0.08, 0.15);
-    let local = |joint: JointId, point: DVec3| {
-        let frame = flat[joint.as_usize()];
-        BodyPoint { joint, local: frame.rotation.inverse() * (point - frame.position) }
-    };
-    let tip_joint = toe.map_or(ankle.joint, |toe| toe.joint);
-    Some(Foot {
-        heel: local(ankle.joint, at(-0.036, 0.037)),
-        ball: local(ankle.joint, at(ball, 0.036)),
-        tip: local(tip_joint, at(FOOT_LENGTH.max(ball + 0.02), 0.027)),
-    })
-}
-
-/// The pose in which a foot stands flat: its toe down, its ankle low.
-fn flat_pose(
-    poses: &[Vec<JointFrame>],
-    ankle: BodyPoint,
-    toe: Option<BodyPoint>,
-) -> Option<&Vec<JointFrame>> {
-    let low = toe.unwrap_or(ankle);
-    let height = |frames: &Vec<JointFrame>| low.place(frames).y;
-    let floor = percentile(poses.iter().map(height).collect(), GROUND_PERCENTILE);
-    let mut grounded: Vec<&Vec<JointFrame>> =
-        poses.iter().filter(|frames| height(frames) <= floor + GROUNDED).collect();
-    grounded.sort_by(|a, b| ankle.place(a).y.total_cmp(&ankle.place(b).y));
-    grounded.get(floor_index(FLAT_PERCENTILE * grounded.len() as f64)).copied()
-}
-
-/// The head joint with the axes of the head in it: as the body's, on average.
-fn fit_head(skeleton: &Skeleton, poses: &[Vec<JointFrame>]) -> Option<(JointId, Axes)> {
-    let joint = skeleton.joint_of(JointRole::Head)?;
-    let (mut ahead, mut up) = (DVec3::ZERO, DVec3::ZERO);
-    for frames in poses {
-        let axes = Landmarks::of(skeleton, frames)?.axes;
-        let back = frames[joint.as_usize()].rotation.inverse();
-        ahead += back * axes.ahead;
-        up += back * axes.up;
-    }
-    Some((joint, Axes::of(up.cross(ahead), up)))
 }
 
 #[cfg(test)]

@@ -21,8 +21,9 @@ impl Default for Span {
 }
 
 impl Span {
-    /// Also covers a disk.
-    pub(super) fn with(self, [x, y]: [f64; 2], radius: f64) -> Self {
+    /// Also covers a disk, as far as it is not absurdly far away.
+    pub(super) fn with(self, place: [f64; 2], radius: f64) -> Self {
+        let [x, y] = place.map(|coordinate| coordinate.clamp(-FURTHEST, FURTHEST));
         Self {
             left: self.left.min(x - radius),
             right: self.right.max(x + radius),
@@ -55,10 +56,14 @@ pub(super) struct Layout {
 
 /// Widest row, px.
 const WIDEST: f64 = 1548.0;
+/// Highest row, px.
+const HIGHEST: f64 = 900.0;
+/// Coordinates beyond are drawn there, metres.
+const FURTHEST: f64 = 1e12;
 /// Narrowest row, px: room for the title.
 const NARROWEST: f64 = 420.0;
-/// Largest and smallest scale, pixels a metre; a standing body is between 260 and 130 px high.
-const SCALES: (f64, f64) = (150.0, 75.0);
+/// Largest and smallest scale, pixels a metre; a standing body is between 155 and 260 px high.
+const SCALES: (f64, f64) = (150.0, 90.0);
 /// Smallest scale of poses at their real distance, pixels a metre.
 const LEAST_REAL: f64 = 62.0;
 /// Between poses spaced evenly, metres.
@@ -73,16 +78,10 @@ impl Layout {
         let is_real = real.is_some();
         let (places, metres) = real.unwrap_or_else(|| spaced(spans));
         let rows = places.last().map_or(1, |place| place.0 + 1);
-        let scale = (WIDEST / metres).min(SCALES.0);
-        Self {
-            places,
-            rows,
-            is_real,
-            scale,
-            width: (metres * scale).max(NARROWEST),
-            above: spans.iter().map(|span| span.high).fold(0.1, f64::max),
-            below: spans.iter().map(|span| -span.low).fold(0.0, f64::max),
-        }
+        let above = spans.iter().map(|span| span.high).fold(0.1, f64::max);
+        let below = spans.iter().map(|span| -span.low).fold(0.0, f64::max);
+        let scale = (WIDEST / metres).min(SCALES.0).min(HIGHEST / (above + below));
+        Self { places, rows, is_real, scale, width: (metres * scale).max(NARROWEST), above, below }
     }
 
     /// Height of a row without its labels, px.

@@ -5,6 +5,7 @@
 
 mod camera;
 mod figure;
+mod fit;
 pub(super) mod hull;
 mod landmarks;
 mod layout;
@@ -55,6 +56,8 @@ const MARGIN: f64 = 26.0;
 const HEAD: f64 = 76.0;
 /// Frame numbers below a row, px.
 const FOOT: f64 = 26.0;
+/// Below a row, where there are several, px.
+const BETWEEN_ROWS: f64 = 16.0;
 /// Events below them, px.
 const EVENTS: f64 = 18.0;
 
@@ -126,7 +129,8 @@ fn write_head(sheet: &mut Sheet, clip: &Clip, (options, layout): (&StripOptions,
 
 /// Height of a row with its labels, px.
 fn row_pitch(clip: &Clip, layout: &Layout) -> f64 {
-    layout.row_height() + FOOT + if clip.events.is_empty() { 0.0 } else { EVENTS }
+    let events = if clip.events.is_empty() { 0.0 } else { EVENTS };
+    layout.row_height() + FOOT + events + if layout.rows > 1 { BETWEEN_ROWS } else { 0.0 }
 }
 
 /// Ground, shadows, bodies and labels of one row.
