@@ -59,6 +59,23 @@ impl Limb {
         }
     }
 
+    /// Angle between its bones, radians: 0 for a straight limb.
+    pub fn bend(&self) -> f64 {
+        (self.middle - self.upper).angle_between(self.lower - self.middle)
+    }
+
+    /// The bend with which it spans `distance` between its ends, metres; straight or folded beyond what it spans.
+    pub fn bend_at(&self, distance: f64) -> f64 {
+        let [upper, lower] = self.lengths();
+        ((distance * distance - upper * upper - lower * lower) / (2.0 * upper * lower)).clamp(-1.0, 1.0).acos()
+    }
+
+    /// The distance of its ends, metres, at a bend.
+    pub fn span_at(&self, bend: f64) -> f64 {
+        let [upper, lower] = self.lengths();
+        (upper * upper + lower * lower + 2.0 * upper * lower * bend.cos()).max(0.0).sqrt()
+    }
+
     /// Direction in which the limb is bent: from the line between its ends to the middle joint. Where it is straight,
     /// `hint`.
     pub fn pole(&self, hint: DVec3) -> DVec3 {

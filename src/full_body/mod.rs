@@ -72,19 +72,38 @@ pub fn refine(skeleton: &Skeleton, input: &BodyInput) -> (Vec<Pose>, Report) {
         poses[at].root.y -= drop;
         report.drop = report.drop.max(*drop);
     }
+    let tau = env("TAU", 2.0 / 30.0);
     for (chain, track, displacements) in &legs {
         let hint = feet::bend_hint(track.rest.iter());
+        let mut free = vec![false; poses.len()];
+        let mut bends = vec![0.0; poses.len()];
         for at in 0..poses.len() {
             let displacement = &displacements[at];
             if drops[at] < feet::NOTHING && displacement.shift.length() < feet::NOTHING && displacement.turn.length() < feet::NOTHING {
                 continue;
             }
             let target = feet::displaced(&track.moved[at], displacement);
+            let limb = track.moved[at].limb;
+            let hip = limb.upper - DVec3::Y * drops[at];
+            free[at] = !(track.heel[at] || track.toe[at]);
+            bends[at] = limb.bend_at(hip.distance(target.position)) - limb.bend();
+        }
+        let bends = smooth::relax(&input.times, &bends, &free, tau);
+        for at in 0..poses.len() {
+            let displacement = &displacements[at];
+            if drops[at] < feet::NOTHING && displacement.shift.length() < feet::NOTHING && displacement.turn.length() < feet::NOTHING {
+                continue;
+            }
+            let mut target = feet::displaced(&track.moved[at], displacement);
             let mut place = track.moved[at];
             let down = DVec3::Y * drops[at];
+            let goal = place.limb.span_at((place.limb.bend() + bends[at]).max(0.0));
             place.limb.upper -= down;
             place.limb.middle -= down;
             place.limb.lower -= down;
+            if free[at] {
+                target.position = place.limb.upper + (target.position - place.limb.upper).normalize() * goal;
+            }
             let shortfall = feet::solve(chain, skeleton, &mut poses[at], &place, &target, hint);
             if track.heel[at] || track.toe[at] {
                 report.shortfall = report.shortfall.max(shortfall);

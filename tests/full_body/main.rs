@@ -64,6 +64,17 @@ fn main() {
             let moved = bent(&rest, Bend { turn, stretch });
             let input = BodyInput { times: times.clone(), rest: rest.clone(), moved: moved.clone(), contacts: w.contacts.clone() };
             let (poses, report) = refine(s, &input);
+            if std::env::var("TRACE").is_ok() {
+                for (side, leg) in chain::legs(s).into_iter().flatten().enumerate() {
+                    let ang = |poses: &[Pose]| -> Vec<f64> { poses.iter().map(|p| { let l = leg.place(s, p).limb; (l.middle - l.upper).angle_between(l.lower - l.middle).to_degrees() }).collect() };
+                    let (a, b) = (ang(&rest), ang(&poses));
+                    let bears = |k: usize| { let c = w.contacts[k]; let (h, t) = if side == 0 { (c.left_heel, c.left_toe) } else { (c.right_heel, c.right_toe) }; format!("{}{}", if h {"H"} else {"-"}, if t {"T"} else {"-"}) };
+                    for k in 1..a.len() - 1 {
+                        let acc = |a: &[f64]| (a[k-1] - 2.0 * a[k] + a[k+1]).to_radians() * 900.0;
+                        println!("T {turn:.0} {stretch} {side} {k} {} rest {:.1} {:.0} new {:.1} {:.0} drop {:.3}", bears(k), a[k], acc(&a), b[k], acc(&b), moved[k].root.y - poses[k].root.y);
+                    }
+                }
+            }
             let d: f64 = drifts(s, &poses, &w.contacts).iter().zip(&d0).map(|(a, b)| a - b).fold(f64::NEG_INFINITY, f64::max);
             let change = poses.iter().zip(&rest).flat_map(|(a, b)| a.rotations.iter().zip(&b.rotations).skip(1).map(|(a, b)| log(a.inverse() * *b).length())).fold(0.0, f64::max);
             println!("   {:>3.0} {stretch:.1}: drift+ {d:+.4} slide {:.4} knee {:.2} (moved {:.2}) short {:.4} drop {:.3} change {:.1}", turn.to_degrees(), sl(&poses) / s0, knee(s, &poses) / k0, knee(s, &moved) / k0, report.shortfall, report.drop, change.to_degrees());
