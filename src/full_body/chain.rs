@@ -42,6 +42,22 @@ pub struct EndPose {
     pub rotation: DQuat,
 }
 
+impl Place {
+    /// Its lower joint.
+    pub const fn end_pose(&self) -> EndPose {
+        EndPose { position: self.limb.lower, rotation: self.lower_rotation }
+    }
+
+    /// The same limb moved by `shift`.
+    pub fn shifted(mut self, shift: DVec3) -> Self {
+        self.limb.upper += shift;
+        self.limb.middle += shift;
+        self.limb.lower += shift;
+        self.end += shift;
+        self
+    }
+}
+
 /// The legs of a skeleton, the left one first; `None` for one that lacks hip, knee or ankle.
 pub fn legs(skeleton: &Skeleton) -> [Option<Chain>; 2] {
     let left = [JointRole::LeftHip, JointRole::LeftKnee, JointRole::LeftFoot];
@@ -134,16 +150,15 @@ impl Chain {
     }
 
     /// Turns the limb, which is at `from` in `pose`, so that its middle joint comes to `middle` and its lower one to
-    /// `lower`, by the smallest turns of both bones; the lower joint gets the world rotation `rotation`.
-    pub fn turn(&self, skeleton: &Skeleton, pose: &mut Pose, from: &Place, to: (DVec3, DVec3, DQuat)) {
-        let (middle, lower, rotation) = to;
+    /// `to`, by the smallest turns of both bones.
+    pub fn turn(&self, skeleton: &Skeleton, pose: &mut Pose, from: &Place, middle: DVec3, to: &EndPose) {
         let upper_turn =
             minimal_rotation(from.limb.middle - from.limb.upper, middle - from.limb.upper);
         let carried = upper_turn * (from.limb.lower - from.limb.middle);
-        let lower_turn = minimal_rotation(carried, lower - middle);
+        let lower_turn = minimal_rotation(carried, to.position - middle);
         turn_in_world(skeleton, pose, self.upper, upper_turn);
         turn_in_world(skeleton, pose, self.middle, lower_turn);
-        set_in_world(skeleton, pose, self.lower, rotation);
+        set_in_world(skeleton, pose, self.lower, to.rotation);
     }
 }
 

@@ -1,72 +1,71 @@
-//! Displacements of a foot between its plants: from one to the next without a jump or a kink, nothing far from any.
+//! Displacements between the stretches where they are known: from one to the next without a jump or a kink, none far away.
 
-use crate::full_body::plants::{Displacement, Plant};
+use std::ops::Range;
 
-/// Displacements known at the samples of plants, carried on into the samples between.
+use glam::DVec3;
+
+/// Samples from `first` to `last`, included.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Span {
+    /// First sample.
+    pub first: usize,
+    /// Last sample.
+    pub last: usize,
+}
+
+/// Carries displacements that are known in `spans` (apart, in the order of time) on into the samples between.
 ///
-/// `displacements`: one a sample; those outside plants are overwritten. `fade`: seconds that a displacement takes to vanish.
-/// In a gap shorter than two fades it goes straight to the next one instead. Cubic Hermite, with the slopes that the
-/// displacement has where a plant ends, so that the foot leaves and meets the ground as fast as it moves there.
-pub fn fill(times: &[f64], plants: &[Plant], fade: f64, displacements: &mut [Displacement]) {
-    let Some(last) = times.len().checked_sub(1) else {
-        return;
-    };
-    let mut before: Option<Knot> = None;
+/// `displacements`: `N` vectors a sample; those outside the spans are overwritten. `fade`: seconds in which a displacement
+/// vanishes; in a gap shorter than two fades it goes over into the next one instead. Cubic Hermite with the slopes that the
+/// displacement has where a span ends: a foot leaves the ground and meets it as fast as it moves there. Cost: linear.
+pub fn fill<const N: usize>(times: &[f64], spans: &[Span], fade: f64, displacements: &mut [[DVec3; N]]) {
+    let mut before: Option<Knot<N>> = None;
     let mut from = 0;
-    for plant in plants {
-        let after = Knot::at_start(times, displacements, plant);
-        fill_gap(times, from..plant.first, [before, Some(after)], fade, displacements);
-        before = Some(Knot::at_end(times, displacements, plant));
-        from = plant.last + 1;
+    for span in spans {
+        let after = Knot::new(times, displacements, span.first, (span.first + SLOPE_SAMPLES).min(span.last));
+        fill_gap(times, from..span.first, [before, Some(after)], fade, displacements);
+        let inside = span.last.saturating_sub(SLOPE_SAMPLES).max(span.first);
+        before = Some(Knot::new(times, displacements, span.last, inside));
+        from = span.last + 1;
     }
-    fill_gap(times, from..last + 1, [before, None], fade, displacements);
+    fill_gap(times, from..times.len(), [before, None], fade, displacements);
 }
 
-/// A displacement at a time, and how fast it changes.
+/// Samples over which the slope at an end of a span is taken.
+const SLOPE_SAMPLES: usize = 2;
+
+/// Displacements at a time, and how fast they change.
 #[derive(Clone, Copy, Debug)]
-struct Knot {
+struct Knot<const N: usize> {
     time: f64,
-    value: Displacement,
-    slope: Displacement,
+    value: [DVec3; N],
+    slope: [DVec3; N],
 }
 
-/// Samples over which the slope at an end of a plant is taken.
-const SLOPE_SAMPLES: usize = 3;
-
-impl Knot {
-    fn at_start(times: &[f64], displacements: &[Displacement], plant: &Plant) -> Self {
-        let other = (plant.first + SLOPE_SAMPLES - 1).min(plant.last);
-        Self::new(times, displacements, plant.first, other)
-    }
-
-    fn at_end(times: &[f64], displacements: &[Displacement], plant: &Plant) -> Self {
-        let other = (plant.last + 1).saturating_sub(SLOPE_SAMPLES).max(plant.first);
-        Self::new(times, displacements, plant.last, other)
-    }
-
-    fn new(times: &[f64], displacements: &[Displacement], at: usize, other: usize) -> Self {
-        let (value, near) = (displacements[at], displacements[other]);
-        let span = times[at] - times[other];
+impl<const N: usize> Knot<N> {
+    /// At sample `at`, with the slope towards sample `inside` of the same span.
+    fn new(times: &[f64], displacements: &[[DVec3; N]], at: usize, inside: usize) -> Self {
+        let (time, value) = (times[at], displacements[at]);
+        let span = time - times[inside];
         let slope = if span == 0.0 {
-            Displacement::default()
+            [DVec3::ZERO; N]
         } else {
-            Displacement { shift: (value.shift - near.shift) / span, turn: (value.turn - near.turn) / span }
+            std::array::from_fn(|channel| (value[channel] - displacements[inside][channel]) / span)
         };
-        Self { time: times[at], value, slope }
+        Self { time, value, slope }
     }
 
     const fn nothing(time: f64) -> Self {
-        let none = Displacement { shift: glam::DVec3::ZERO, turn: glam::DVec3::ZERO };
-        Self { time, value: none, slope: none }
+        Self { time, value: [DVec3::ZERO; N], slope: [DVec3::ZERO; N] }
     }
 }
 
-fn fill_gap(
+fn fill_gap<const N: usize>(
     times: &[f64],
-    gap: std::ops::Range<usize>,
-    [before, after]: [Option<Knot>; 2],
+    gap: Range<usize>,
+    [before, after]: [Option<Knot<N>>; 2],
     fade: f64,
-    displacements: &mut [Displacement],
+    displacements: &mut [[DVec3; N]],
 ) {
     for at in gap {
         let time = times[at];
@@ -80,22 +79,55 @@ fn fill_gap(
             [_, Some(after)] if time > after.time - fade => {
                 between(&Knot::nothing(after.time - fade), &after, time)
             }
-            _ => Displacement::default(),
+            _ => [DVec3::ZERO; N],
         };
     }
 }
 
 /// The cubic that has the values and slopes of both knots.
-fn between(from: &Knot, to: &Knot, time: f64) -> Displacement {
+fn between<const N: usize>(from: &Knot<N>, to: &Knot<N>, time: f64) -> [DVec3; N] {
     let span = to.time - from.time;
     let u = ((time - from.time) / span).clamp(0.0, 1.0);
     let (u2, u3) = (u * u, u * u * u);
     let (late, leaving, meeting) = (3.0 * u2 - 2.0 * u3, u3 - 2.0 * u2 + u, u3 - u2);
-    let blend = |a, b, slope_a, slope_b| -> glam::DVec3 {
-        a * (1.0 - late) + b * late + (slope_a * leaving + slope_b * meeting) * span
-    };
-    Displacement {
-        shift: blend(from.value.shift, to.value.shift, from.slope.shift, to.slope.shift),
-        turn: blend(from.value.turn, to.value.turn, from.slope.turn, to.slope.turn),
+    std::array::from_fn(|channel| {
+        let slopes = from.slope[channel] * leaving + to.slope[channel] * meeting;
+        from.value[channel] * (1.0 - late) + to.value[channel] * late + slopes * span
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn times(count: u32) -> Vec<f64> {
+        (0..count).map(|k| f64::from(k) / 30.0).collect()
+    }
+
+    #[test]
+    fn a_displacement_vanishes_within_a_fade_and_has_no_kink_where_it_starts() {
+        let times = times(60);
+        let mut track = vec![[DVec3::ZERO]; 60];
+        for (sample, value) in track.iter_mut().enumerate().take(21) {
+            value[0] = DVec3::X * (0.01 * sample as f64);
+        }
+        fill(&times, &[Span { first: 0, last: 20 }], 10.0 / 30.0, &mut track);
+        let slope = |at: usize| 30.0 * (track[at + 1][0].x - track[at][0].x);
+        // The cubic's second derivative at its start is (6·(0 − .2) − 4·.3·fade)/fade², a step of 1/30 s long.
+        assert!((slope(20) - slope(19)).abs() < 0.25, "{} {}", slope(19), slope(20));
+        assert!(track[30..].iter().all(|value| value[0] == DVec3::ZERO));
+    }
+
+    #[test]
+    fn in_a_short_gap_one_displacement_goes_over_into_the_next() {
+        let times = times(20);
+        let mut track = vec![[DVec3::ZERO]; 20];
+        track[..5].fill([DVec3::X]);
+        track[15..].fill([DVec3::Y]);
+        fill(&times, &[Span { first: 0, last: 4 }, Span { first: 15, last: 19 }], 10.0 / 30.0, &mut track);
+        for value in &track[5..15] {
+            assert!((value[0].x + value[0].y - 1.0).abs() < 1e-12);
+        }
+        assert!(track.windows(2).all(|pair| pair[1][0].x <= pair[0][0].x));
     }
 }

@@ -4,80 +4,184 @@
 
 use glam::DVec3;
 
-use crate::full_body::chain::{Chain, EndPose, Place};
-use crate::full_body::plants::{Displacement, LegTrack};
+use crate::clip::contacts::FootContacts;
+use crate::full_body::aim::{bend_hint, solve};
+use crate::full_body::chain::{Chain, EndPose, Place, legs};
+use crate::full_body::fade::{Span, fill};
+use crate::full_body::knees::soften;
 use crate::full_body::limb::softened;
-use crate::geometry::{exp, smoothstep};
+use crate::full_body::pins::{pins, spans};
+use crate::full_body::plants::{Displacement, LegTrack, bearing, plants};
+use crate::full_body::reach::Demand;
+use crate::full_body::smooth::largest_acceleration;
+use crate::full_body::{BodyInput, PlantMode};
+use crate::geometry::{exp, log};
 use crate::skeleton::{Pose, Skeleton};
 
 /// A displacement below this is none, metres and radians: rounding, which a straight knee would magnify.
-pub const NOTHING: f64 = 1e-9;
+const NOTHING: f64 = 1e-9;
 
-/// Where a foot displaced by `displacement` stands.
-pub fn displaced(moved: &Place, displacement: &Displacement) -> EndPose {
-    EndPose {
-        position: moved.limb.lower + displacement.shift,
-        rotation: exp(displacement.turn) * moved.lower_rotation,
-    }
+/// Seconds in which the displacement of a foot vanishes before and after it bears.
+pub const FADE: f64 = 10.0 / 30.0;
+
+/// Legs are not stretched flatter than this, share of their length, unless captured so: 20° at the knee.
+const STRETCH: f64 = 0.985;
+
+/// What is to become of one leg.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Leg {
+    /// Its joints.
+    pub chain: Chain,
+    /// Where it is.
+    pub track: LegTrack,
+    /// Displacement of the foot at each sample, from where the edit of the path carries it.
+    pub displacements: Vec<Displacement>,
+    /// Samples at which the foot must be where it is displaced to.
+    pub bound: Vec<bool>,
+    /// When its heel and its toe are planted: as captured, or held still.
+    pub planted: [Vec<bool>; 2],
+    /// To which side its knee bends, in the axes of the hip.
+    hint: DVec3,
 }
 
-/// Direction in which the middle joint of a limb lies from the line between its ends, in the axes of the upper joint: the
-/// mean over `places`, so that a straight limb knows how to bend. Zero for a limb that is always straight.
-pub fn bend_hint<'a>(places: impl Iterator<Item = &'a Place>) -> DVec3 {
-    places.map(|place| place.upper_rotation.inverse() * bend(place)).sum::<DVec3>().normalize_or_zero()
+/// Plans both legs; those that the skeleton lacks are left out.
+pub fn plan(skeleton: &Skeleton, input: &BodyInput, mode: PlantMode) -> Vec<Leg> {
+    let sides = legs(skeleton).into_iter().enumerate();
+    sides.filter_map(|(side, chain)| Some(plan_leg(skeleton, input, mode, (side, chain?)))).collect()
 }
 
-/// From the line between the ends of a limb to its middle joint.
-fn bend(place: &Place) -> DVec3 {
-    let along = (place.limb.lower - place.limb.upper).normalize_or_zero();
-    (place.limb.middle - place.limb.upper).reject_from(along)
-}
-
-/// A middle joint farther than this from the line between the ends of its limb tells the direction alone, share of the
-/// limb's length.
-const TELLING: f64 = 0.05;
-
-/// Brings a limb, which is at `place` in `pose`, to `target`; how far it stays away, metres.
-///
-/// The plane of the limb turns with the line between its ends. Where it was nearly straight and has to bend, `hint` (in
-/// the axes of the upper joint) decides to which side.
-pub fn solve(chain: &Chain, skeleton: &Skeleton, pose: &mut Pose, place: &Place, target: &EndPose, hint: DVec3) -> f64 {
-    let limb = place.limb;
-    let length: f64 = limb.lengths().iter().sum();
-    let to_target = target.position - limb.upper;
-    let distance = to_target.length();
-    let spanned = limb.upper.distance(limb.lower);
-    // What is captured stays reachable as it is.
-    let goal = distance;
-    let aim = limb.upper + to_target * (goal / distance.max(f64::MIN_POSITIVE));
-    let turn = crate::full_body::limb::minimal_rotation(limb.lower - limb.upper, to_target);
-    let own = bend(place);
-    let straight = 1.0 - smoothstep(own.length() / (TELLING * length));
-    let missing = (bent(limb.lengths(), goal) - own.length()).max(0.0);
-    let pole = turn * (own + place.upper_rotation * hint * (straight * missing));
-    let reach = limb.reach(aim, pole);
-    chain.turn(skeleton, pose, place, (reach.middle, reach.lower, target.rotation));
-    reach.lower.distance(target.position)
-}
-
-/// Distance of the middle joint from the line between the ends of a limb that spans `distance`.
-fn bent([upper, lower]: [f64; 2], distance: f64) -> f64 {
-    let foot = (upper * upper - lower * lower + distance * distance) / (2.0 * distance.max(f64::MIN_POSITIVE));
-    (upper * upper - foot * foot).max(0.0).sqrt()
+fn plan_leg(skeleton: &Skeleton, input: &BodyInput, mode: PlantMode, (side, chain): (usize, Chain)) -> Leg {
+    let places = |poses: &[Pose]| poses.iter().map(|pose| chain.place(skeleton, pose)).collect();
+    let [heel, toe] = bearing(&input.contacts, side);
+    let bound: Vec<bool> = heel.iter().zip(&toe).map(|(heel, toe)| *heel || *toe).collect();
+    let track = LegTrack { rest: places(&input.rest), moved: places(&input.moved), heel, toe };
+    let (corrections, planted) = match mode {
+        PlantMode::AsCaptured => (None, [track.heel.clone(), track.toe.clone()]),
+        PlantMode::Pinned => {
+            let pins = pins(&input.times, &track, FADE);
+            (Some(pins.corrections), [pins.heel, pins.toe])
+        }
+    };
+    let displacements = displacements(&track, corrections.as_deref());
+    let hint = bend_hint(track.rest.iter());
+    Leg { chain, track, displacements, bound, planted, hint }
 }
 
 /// Displacements of the foot in its plants; none elsewhere.
-pub fn planted(leg: &LegTrack, plants: &[crate::full_body::plants::Plant]) -> Vec<Displacement> {
-    let mut displacements = vec![Displacement::default(); leg.rest.len()];
-    for plant in plants {
-        for at in plant.first..=plant.last {
-            let target = plant.carry(&leg.rest[at]);
-            let moved = &leg.moved[at];
-            displacements[at] = Displacement {
-                shift: target.position - moved.limb.lower,
-                turn: crate::geometry::log(target.rotation * moved.lower_rotation.inverse()),
-            };
+fn displacements(track: &LegTrack, corrections: Option<&[Displacement]>) -> Vec<Displacement> {
+    let mut displacements = vec![[DVec3::ZERO; 2]; track.rest.len()];
+    for plant in plants(track) {
+        for at in plant.span.first..=plant.span.last {
+            let mut foot = track.rest[at].end_pose();
+            if let Some(corrections) = corrections {
+                foot = displaced(&foot, &corrections[at]);
+            }
+            displacements[at] = from_to(&track.moved[at].end_pose(), &plant.carry(&foot));
         }
     }
     displacements
+}
+
+/// `foot`, displaced.
+fn displaced(foot: &EndPose, [shift, turn]: &Displacement) -> EndPose {
+    EndPose { position: foot.position + *shift, rotation: exp(*turn) * foot.rotation }
+}
+
+/// What takes `from` to `to`.
+fn from_to(from: &EndPose, to: &EndPose) -> Displacement {
+    [to.position - from.position, log(to.rotation * from.rotation.inverse())]
+}
+
+impl Leg {
+    /// Has the foot at `target` at sample `at`, whatever its plants ask for.
+    pub fn bind(&mut self, at: usize, target: &EndPose) {
+        self.displacements[at] = from_to(&self.track.moved[at].end_pose(), target);
+        self.bound[at] = true;
+    }
+
+    /// Carries the displacements of bound samples on into those between.
+    pub fn fill(&mut self, times: &[f64]) {
+        let bound: Vec<Span> = spans(&self.bound);
+        fill(times, &bound, FADE, &mut self.displacements);
+    }
+
+    /// Where the foot is to be at sample `at`.
+    pub fn target(&self, at: usize) -> EndPose {
+        displaced(&self.track.moved[at].end_pose(), &self.displacements[at])
+    }
+
+    /// What the leg asks of the place of its hip at sample `at`.
+    pub fn demand(&self, at: usize) -> Demand {
+        let rest = &self.track.rest[at].limb;
+        let length: f64 = rest.lengths().iter().sum();
+        let captured = rest.upper.distance(rest.lower);
+        Demand {
+            hip: self.track.moved[at].limb.upper,
+            ankle: self.target(at).position,
+            reach: captured.max(STRETCH * length),
+        }
+    }
+
+    /// Whether nothing is asked of the leg at sample `at`, with the body shifted by `shift`.
+    fn is_idle(&self, at: usize, shift: DVec3) -> bool {
+        let [foot, turn] = self.displacements[at];
+        shift.length() < NOTHING && foot.length() < NOTHING && turn.length() < NOTHING
+    }
+
+    /// Brings the foot to its targets in all `poses`, whose roots are shifted by `shifts`. Cost: linear.
+    pub fn solve(&self, skeleton: &Skeleton, times: &[f64], shifts: &[DVec3], poses: &mut [Pose]) {
+        let (changes, free) = self.knee_changes(times, shifts);
+        for (at, pose) in poses.iter_mut().enumerate() {
+            if self.is_idle(at, shifts[at]) {
+                continue;
+            }
+            let place = self.track.moved[at].shifted(shifts[at]);
+            let mut target = self.target(at);
+            if free[at] {
+                let goal = place.limb.span_at((place.limb.bend() + changes[at]).max(0.0));
+                let towards = (target.position - place.limb.upper).normalize_or_zero();
+                target.position = place.limb.upper + towards * goal;
+            }
+            solve(&self.chain, skeleton, pose, (&place, &target), self.hint);
+        }
+    }
+
+    /// By how much the knee is to bend more at each sample, and where the foot is free to follow it.
+    fn knee_changes(&self, times: &[f64], shifts: &[DVec3]) -> (Vec<f64>, Vec<bool>) {
+        let captured: Vec<f64> = self.track.moved.iter().map(|place| place.limb.bend()).collect();
+        let mut free = vec![false; times.len()];
+        let mut changes = vec![0.0; times.len()];
+        for at in (0..times.len()).filter(|&at| !self.is_idle(at, shifts[at])) {
+            let limb = self.track.moved[at].limb;
+            let hip = limb.upper + shifts[at];
+            free[at] = !self.bound[at];
+            let distance = hip.distance(self.target(at).position);
+            let spanned = limb.upper.distance(limb.lower);
+            let length: f64 = limb.lengths().iter().sum();
+            let goal = if distance <= spanned || !free[at] {
+                distance
+            } else {
+                softened(distance, length).max(spanned)
+            };
+            changes[at] = limb.bend_at(goal) - captured[at];
+        }
+        let largest = largest_acceleration(times, &captured);
+        soften(times, &captured, &free, largest, &mut changes);
+        (changes, free)
+    }
+}
+
+/// Which points of the feet are planted, by the legs' plans.
+pub fn planted(skeleton: &Skeleton, legs: &[Leg], contacts: &[FootContacts]) -> Vec<FootContacts> {
+    let mut planted = contacts.to_vec();
+    let sides = self::legs(skeleton).into_iter().enumerate().filter(|(_, chain)| chain.is_some());
+    for ((side, _), leg) in sides.zip(legs) {
+        let points = crate::full_body::plants::points(side);
+        for (point, labels) in points.into_iter().zip(&leg.planted) {
+            for (contact, label) in planted.iter_mut().zip(labels) {
+                contact.set(point, *label);
+            }
+        }
+    }
+    planted
 }

@@ -76,15 +76,19 @@ impl Limb {
         (upper * upper + lower * lower + 2.0 * upper * lower * bend.cos()).max(0.0).sqrt()
     }
 
-    /// Direction in which the limb is bent: from the line between its ends to the middle joint. Where it is straight,
-    /// `hint`.
-    pub fn pole(&self, hint: DVec3) -> DVec3 {
-        /// A middle joint nearer to the line tells no direction, share of the limb's length.
-        const LEAST_BEND: f64 = 1e-3;
+    /// From the line between its ends to the middle joint, metres.
+    pub fn bow(&self) -> DVec3 {
         let along = (self.lower - self.upper).normalize_or_zero();
-        let bend = (self.middle - self.upper).reject_from(along);
-        let length: f64 = self.lengths().iter().sum();
-        if along == DVec3::ZERO || bend.length() < LEAST_BEND * length { hint } else { bend }
+        let upper = self.middle - self.upper;
+        upper - along * upper.dot(along)
+    }
+
+    /// How far the middle joint is from the line between the ends when they are `distance` apart, metres.
+    pub fn bow_at(&self, distance: f64) -> f64 {
+        let [upper, lower] = self.lengths();
+        let distance = distance.max(f64::MIN_POSITIVE);
+        let foot = (upper * upper - lower * lower + distance * distance) / (2.0 * distance);
+        (upper * upper - foot * foot).max(0.0).sqrt()
     }
 }
 
@@ -159,7 +163,7 @@ mod tests {
             let middle = leg().upper + turned * DVec3::new(0.0, -0.45, 0.0);
             let lower = middle + turned * (DQuat::from_rotation_x(bend) * DVec3::new(0.0, -0.43, 0.0));
             let bent = Limb { upper: leg().upper, middle, lower };
-            let reach = bent.reach(bent.lower, bent.pole(DVec3::Z));
+            let reach = bent.reach(bent.lower, bent.bow());
             prop_assert!(reach.middle.distance(bent.middle) < 1e-9);
         }
 

@@ -5,6 +5,7 @@ use glam::{DQuat, DVec3};
 use crate::clip::contacts::{FootContacts, FootPoint, runs};
 use crate::clip::facing::turn_about_up;
 use crate::full_body::chain::{EndPose, Place};
+use crate::full_body::fade::Span;
 use crate::geometry::{RigidMotion, c64, cis, plan_of, yaw};
 
 /// One leg along the samples.
@@ -20,40 +21,42 @@ pub struct LegTrack {
     pub toe: Vec<bool>,
 }
 
+/// By how much a foot is displaced: its ankle, metres, and the foot, a rotation vector in the world's axes.
+pub type Displacement = [DVec3; 2];
+
 /// A stretch in which any point of one foot bears.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Plant {
-    /// First sample.
-    pub first: usize,
-    /// Last sample, included.
-    pub last: usize,
+    /// When.
+    pub span: Span,
     /// Motion of the ground that takes the captured foot to where it is to stand.
     pub motion: RigidMotion,
 }
 
 impl Plant {
-    /// The captured foot `rest`, moved with the ground; its height stays.
-    pub fn carry(&self, rest: &Place) -> EndPose {
+    /// The foot `rest`, moved with the ground; its height stays.
+    pub fn carry(&self, rest: &EndPose) -> EndPose {
         EndPose {
-            position: self.motion.apply_world(rest.limb.lower),
-            rotation: yaw(self.motion.angle()) * rest.lower_rotation,
+            position: self.motion.apply_world(rest.position),
+            rotation: yaw(self.motion.angle()) * rest.rotation,
         }
     }
 }
 
+/// Heel and toe of one side: 0 the left, 1 the right.
+pub const fn points(side: usize) -> [FootPoint; 2] {
+    if side == 0 { [FootPoint::LeftHeel, FootPoint::LeftToe] } else { [FootPoint::RightHeel, FootPoint::RightToe] }
+}
+
 /// When the heel and the toe of one side bear.
 pub fn bearing(contacts: &[FootContacts], side: usize) -> [Vec<bool>; 2] {
-    let points = [
-        [FootPoint::LeftHeel, FootPoint::LeftToe],
-        [FootPoint::RightHeel, FootPoint::RightToe],
-    ];
-    points[side.min(1)].map(|point| contacts.iter().map(|contact| contact.at(point)).collect())
+    points(side).map(|point| contacts.iter().map(|contact| contact.at(point)).collect())
 }
 
 /// The plants of a leg, in the order of time: one for each stretch in which heel or toe bear.
 pub fn plants(leg: &LegTrack) -> Vec<Plant> {
     let bears: Vec<bool> = leg.heel.iter().zip(&leg.toe).map(|(heel, toe)| *heel || *toe).collect();
-    let plant = |(first, last)| Plant { first, last, motion: ground_motion(leg, first, last) };
+    let plant = |(first, last)| Plant { span: Span { first, last }, motion: ground_motion(leg, first, last) };
     runs(&bears).into_iter().map(plant).collect()
 }
 
@@ -78,13 +81,4 @@ fn ground_motion(leg: &LegTrack, first: usize, last: usize) -> RigidMotion {
 /// Turn of the foot from `rest` to `moved`, in the world.
 fn turn_between(rest: &Place, moved: &Place) -> DQuat {
     moved.lower_rotation * rest.lower_rotation.inverse()
-}
-
-/// By how much a foot is displaced.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Displacement {
-    /// Of the ankle, metres.
-    pub shift: DVec3,
-    /// Of the foot, a rotation vector in the world's axes.
-    pub turn: DVec3,
 }

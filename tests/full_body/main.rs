@@ -49,7 +49,12 @@ fn main() {
         let clip = Arc::new(read.clip);
         let (f, l) = clip.usable;
         let w = WorkingClip::new(file, clip.clone(), f, l);
-        let rest: Vec<Pose> = (0..w.frame_count()).map(|k| w.pose(k as f64)).collect();
+        let all: Vec<Pose> = (0..w.frame_count()).map(|k| w.pose(k as f64)).collect();
+        let ratio: f64 = std::env::var("RATIO").ok().and_then(|v| v.parse().ok()).unwrap_or(1.4);
+        for (from, to) in pieces(&all, ratio) {
+        let rest = all[from..=to].to_vec();
+        struct W { contacts: Vec<FootContacts> }
+        let w = W { contacts: w.contacts[from..=to].to_vec() };
         let times: Vec<f64> = (0..rest.len()).map(|k| k as f64 / 30.0).collect();
         let s = &clip.skeleton;
         let len: f64 = rest.windows(2).map(|p| (plan_of(p[1].root) - plan_of(p[0].root)).norm()).sum();
@@ -77,7 +82,29 @@ fn main() {
             }
             let d: f64 = drifts(s, &poses, &w.contacts).iter().zip(&d0).map(|(a, b)| a - b).fold(f64::NEG_INFINITY, f64::max);
             let change = poses.iter().zip(&rest).flat_map(|(a, b)| a.rotations.iter().zip(&b.rotations).skip(1).map(|(a, b)| log(a.inverse() * *b).length())).fold(0.0, f64::max);
+            let low = |poses: &[Pose]| -> Vec<f64> { FootPoint::ALL.into_iter().filter_map(|p| foot_point(s, p)).flat_map(|at| poses.iter().map(move |p| at.place(&s.forward_kinematics(p)).y)).collect() };
+            let floor = low(&rest).iter().fold(9.0f64, |a, b| a.min(*b));
+            let sink = low(&poses).iter().zip(low(&rest)).map(|(a, b)| a - b).fold(0.0f64, f64::min);
+            let below = low(&poses).iter().fold(9.0f64, |a, b| a.min(*b)) - floor;
+            print!("  sink {sink:.3} below {below:.3}");
             println!("   {:>3.0} {stretch:.1}: drift+ {d:+.4} slide {:.4} knee {:.2} (moved {:.2}) short {:.4} drop {:.3} change {:.1}", turn.to_degrees(), sl(&poses) / s0, knee(s, &poses) / k0, knee(s, &moved) / k0, report.shortfall, report.drop, change.to_degrees());
         }
+        }
     }
+}
+
+fn pieces(poses: &[Pose], ratio: f64) -> Vec<(usize, usize)> {
+    let at = |k: usize| plan_of(poses[k].root);
+    let mut out = vec![];
+    let mut from = 0;
+    let mut path = 0.0;
+    let mut last_ok = None;
+    for k in 1..poses.len() {
+        path += (at(k) - at(k - 1)).norm();
+        if path <= ratio * (at(k) - at(from)).norm() { last_ok = Some(k); }
+        if path > 1.0 && path > 1.5 * ratio * (at(k) - at(from)).norm() || k + 1 == poses.len() {
+            if let Some(to) = last_ok { out.push((from, to)); from = to; path = (to + 1..=k).map(|j| (at(j) - at(j-1)).norm()).sum(); last_ok = None; }
+        }
+    }
+    out
 }
