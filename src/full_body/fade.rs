@@ -13,18 +13,32 @@ pub struct Span {
     pub last: usize,
 }
 
+/// With which slopes displacements leave their spans.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Slopes {
+    /// With those they have at the ends of the spans: without a kink.
+    Kept,
+    /// Level: never larger than in the spans.
+    Level,
+}
+
 /// Carries displacements that are known in `spans` (apart, in the order of time) on into the samples between.
 ///
 /// `displacements`: `N` vectors a sample; those outside the spans are overwritten. `fade`: seconds in which a displacement
-/// vanishes; in a gap shorter than two fades it goes over into the next one instead. Cubic Hermite with the slopes that the
-/// displacement has where a span ends: a foot leaves the ground and meets it as fast as it moves there. Cost: linear.
-pub fn fill<const N: usize>(times: &[f64], spans: &[Span], fade: f64, displacements: &mut [[DVec3; N]]) {
+/// vanishes; in a gap shorter than two fades it goes over into the next one instead. Cubic Hermite. Cost: linear.
+pub fn fill<const N: usize>(
+    times: &[f64],
+    spans: &[Span],
+    (fade, slopes): (f64, Slopes),
+    displacements: &mut [[DVec3; N]],
+) {
+    let slope_samples = if slopes == Slopes::Kept { SLOPE_SAMPLES } else { 0 };
     let mut before: Option<Knot<N>> = None;
     let mut from = 0;
     for span in spans {
-        let after = Knot::new(times, displacements, span.first, (span.first + SLOPE_SAMPLES).min(span.last));
+        let after = Knot::new(times, displacements, span.first, (span.first + slope_samples).min(span.last));
         fill_gap(times, from..span.first, [before, Some(after)], fade, displacements);
-        let inside = span.last.saturating_sub(SLOPE_SAMPLES).max(span.first);
+        let inside = span.last.saturating_sub(slope_samples).max(span.first);
         before = Some(Knot::new(times, displacements, span.last, inside));
         from = span.last + 1;
     }
@@ -111,7 +125,7 @@ mod tests {
         for (sample, value) in track.iter_mut().enumerate().take(21) {
             value[0] = DVec3::X * (0.01 * sample as f64);
         }
-        fill(&times, &[Span { first: 0, last: 20 }], 10.0 / 30.0, &mut track);
+        fill(&times, &[Span { first: 0, last: 20 }], (10.0 / 30.0, Slopes::Kept), &mut track);
         let slope = |at: usize| 30.0 * (track[at + 1][0].x - track[at][0].x);
         // The cubic's second derivative at its start is (6·(0 − .2) − 4·.3·fade)/fade², a step of 1/30 s long.
         assert!((slope(20) - slope(19)).abs() < 0.25, "{} {}", slope(19), slope(20));
@@ -124,7 +138,7 @@ mod tests {
         let mut track = vec![[DVec3::ZERO]; 20];
         track[..5].fill([DVec3::X]);
         track[15..].fill([DVec3::Y]);
-        fill(&times, &[Span { first: 0, last: 4 }, Span { first: 15, last: 19 }], 10.0 / 30.0, &mut track);
+        fill(&times, &[Span { first: 0, last: 4 }, Span { first: 15, last: 19 }], (10.0 / 30.0, Slopes::Kept), &mut track);
         for value in &track[5..15] {
             assert!((value[0].x + value[0].y - 1.0).abs() < 1e-12);
         }

@@ -7,13 +7,12 @@ use glam::DVec3;
 use crate::clip::contacts::FootContacts;
 use crate::full_body::aim::{bend_hint, solve};
 use crate::full_body::chain::{Chain, EndPose, Place, legs};
-use crate::full_body::fade::{Span, fill};
+use crate::full_body::fade::{Slopes, Span, fill};
 use crate::full_body::knees::soften;
 use crate::full_body::limb::softened;
 use crate::full_body::pins::{pins, spans};
 use crate::full_body::plants::{Displacement, LegTrack, bearing, plants};
 use crate::full_body::reach::Demand;
-use crate::full_body::smooth::largest_acceleration;
 use crate::full_body::{BodyInput, PlantMode};
 use crate::geometry::{exp, log};
 use crate::skeleton::{Pose, Skeleton};
@@ -26,6 +25,12 @@ pub const FADE: f64 = 10.0 / 30.0;
 
 /// Legs are not stretched flatter than this, share of their length, unless captured so: 20° at the knee.
 const STRETCH: f64 = 0.985;
+
+/// The body does not come down for a swinging foot that misses its way by less than this, metres: the knee gives way.
+const SWING_SLACK: f64 = 0.004;
+
+/// A leg this near to level cannot tell how high its foot is by its length, sine.
+const NEARLY_LEVEL: f64 = 0.1;
 
 /// What is to become of one leg.
 #[derive(Clone, Debug, PartialEq)]
@@ -40,6 +45,8 @@ pub struct Leg {
     pub bound: Vec<bool>,
     /// When its heel and its toe are planted: as captured, or held still.
     pub planted: [Vec<bool>; 2],
+    /// How far it may stretch at each sample, metres.
+    reaches: Vec<f64>,
     /// To which side its knee bends, in the axes of the hip.
     hint: DVec3,
 }
@@ -64,7 +71,8 @@ fn plan_leg(skeleton: &Skeleton, input: &BodyInput, mode: PlantMode, (side, chai
     };
     let displacements = displacements(&track, corrections.as_deref());
     let hint = bend_hint(track.rest.iter());
-    Leg { chain, track, displacements, bound, planted, hint }
+    let reaches = reaches(&track, corrections.as_deref());
+    Leg { chain, track, displacements, bound, planted, reaches, hint }
 }
 
 /// Displacements of the foot in its plants; none elsewhere.
@@ -80,6 +88,17 @@ fn displacements(track: &LegTrack, corrections: Option<&[Displacement]>) -> Vec<
         }
     }
     displacements
+}
+
+/// How far the leg may stretch at each sample, metres: as captured (and held still), or nearly straight.
+fn reaches(track: &LegTrack, corrections: Option<&[Displacement]>) -> Vec<f64> {
+    let reach = |(at, place): (usize, &Place)| {
+        let limb = &place.limb;
+        let length: f64 = limb.lengths().iter().sum();
+        let held = corrections.map_or(limb.lower, |corrections| limb.lower + corrections[at][0]);
+        limb.upper.distance(limb.lower).max(limb.upper.distance(held).min(length)).max(STRETCH * length)
+    };
+    track.rest.iter().enumerate().map(reach).collect()
 }
 
 /// `foot`, displaced.
@@ -102,7 +121,7 @@ impl Leg {
     /// Carries the displacements of bound samples on into those between.
     pub fn fill(&mut self, times: &[f64]) {
         let bound: Vec<Span> = spans(&self.bound);
-        fill(times, &bound, FADE, &mut self.displacements);
+        fill(times, &bound, (FADE, Slopes::Kept), &mut self.displacements);
     }
 
     /// Where the foot is to be at sample `at`.
@@ -112,13 +131,10 @@ impl Leg {
 
     /// What the leg asks of the place of its hip at sample `at`.
     pub fn demand(&self, at: usize) -> Demand {
-        let rest = &self.track.rest[at].limb;
-        let length: f64 = rest.lengths().iter().sum();
-        let captured = rest.upper.distance(rest.lower);
         Demand {
             hip: self.track.moved[at].limb.upper,
             ankle: self.target(at).position,
-            reach: captured.max(STRETCH * length),
+            reach: if self.bound[at] { self.reaches[at] } else { self.reaches[at] + SWING_SLACK },
         }
     }
 
@@ -149,8 +165,10 @@ impl Leg {
     /// By how much the knee is to bend more at each sample, and where the foot is free to follow it.
     fn knee_changes(&self, times: &[f64], shifts: &[DVec3]) -> (Vec<f64>, Vec<bool>) {
         let captured: Vec<f64> = self.track.moved.iter().map(|place| place.limb.bend()).collect();
+        let clearances = self.clearances();
         let mut free = vec![false; times.len()];
         let mut changes = vec![0.0; times.len()];
+        let mut least = vec![f64::NEG_INFINITY; times.len()];
         for at in (0..times.len()).filter(|&at| !self.is_idle(at, shifts[at])) {
             let limb = self.track.moved[at].limb;
             let hip = limb.upper + shifts[at];
@@ -164,11 +182,46 @@ impl Leg {
                 softened(distance, length).max(spanned)
             };
             changes[at] = limb.bend_at(goal) - captured[at];
+            let steep = (hip.y - self.target(at).position.y) / distance.max(f64::MIN_POSITIVE);
+            if steep > NEARLY_LEVEL {
+                least[at] = limb.bend_at(goal + clearances[at] / steep) - captured[at];
+            }
         }
-        let largest = largest_acceleration(times, &captured);
-        soften(times, &captured, &free, largest, &mut changes);
+        soften(times, &captured, (&free, &least), &mut changes);
         (changes, free)
     }
+}
+
+/// Lowest ankle and toe of a leg in a plant.
+type Floor = [f64; 2];
+
+impl Leg {
+    /// How far the foot may come down at each sample before it is below the ground it leaves or comes to, metres.
+    fn clearances(&self) -> Vec<f64> {
+        let heights = |at: usize| [self.track.rest[at].limb.lower.y, self.track.rest[at].end.y];
+        let mut clearances = vec![0.0; self.bound.len()];
+        let mut before: Option<Floor> = None;
+        let mut from = 0;
+        let end = Span { first: self.bound.len(), last: self.bound.len() };
+        for span in spans(&self.bound).into_iter().chain([end]) {
+            let own = (span.first..=span.last).take_while(|&at| at < end.first).map(heights).reduce(lower);
+            let floor = match (before, own) {
+                (Some(before), Some(own)) => Some(lower(before, own)),
+                (before, own) => before.or(own),
+            };
+            for at in from..span.first {
+                let [ankle, toe] = heights(at);
+                clearances[at] = floor.map_or(0.0, |floor| (ankle - floor[0]).min(toe - floor[1]).max(0.0));
+            }
+            before = own;
+            from = span.last + 1;
+        }
+        clearances
+    }
+}
+
+fn lower(a: Floor, b: Floor) -> Floor {
+    [a[0].min(b[0]), a[1].min(b[1])]
 }
 
 /// Which points of the feet are planted, by the legs' plans.

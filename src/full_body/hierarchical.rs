@@ -9,7 +9,7 @@ use crate::full_body::aim::{bend_hint, solve};
 use crate::full_body::chain::{Chain, Place};
 use crate::full_body::displacement::{Sample, Spline};
 use crate::full_body::effector::{Effector, end_pose};
-use crate::full_body::fade::fill;
+use crate::full_body::fade::{Slopes, fill};
 use crate::full_body::pins::spans;
 use crate::geometry::{exp, log};
 use crate::index::floor_index;
@@ -68,7 +68,7 @@ pub fn bring(skeleton: &Skeleton, times: &[f64], limb: &Chain, effectors: &[&Eff
         exact[at] = task.displacement(&poses[at], at);
         labels[at] = true;
     }
-    fill(times, &spans(&labels), BLEND, &mut exact);
+    fill(times, &spans(&labels), (BLEND, Slopes::Level), &mut exact);
     for (pose, turns) in poses.iter_mut().zip(&exact) {
         task.apply(pose, turns);
     }

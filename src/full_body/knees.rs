@@ -17,26 +17,70 @@ const WIDTHS: [f64; 6] = [1.0 / 30.0, 1.5 / 30.0, 2.0 / 30.0, 2.5 / 30.0, 3.0 / 
 /// Samples beside a swing that its rounding has to meet: a second difference reaches two.
 const MARGIN: usize = 2;
 
+/// Rounds at which a foot that came too low is held up.
+const ROUNDS: usize = 4;
+
 /// Rounds off `changes` of a joint's angle, radians, while the leg is `free`, so that `captured + changes` accelerates
-/// hardly more than [`HARDEST`] times `captured`'s own `largest` acceleration. Cost: linear.
-pub fn soften(times: &[f64], captured: &[f64], free: &[bool], largest: f64, changes: &mut [f64]) {
+/// hardly more than [`HARDEST`] times as hard as `captured` does; no change is below `least`, with which the foot touches
+/// the ground. Cost: linear.
+pub fn soften(times: &[f64], captured: &[f64], (free, least): (&[bool], &[f64]), changes: &mut [f64]) {
+    let most = HARDEST * largest_acceleration(times, captured);
     for (first, last) in runs(free) {
         let range = first.saturating_sub(MARGIN)..(last + MARGIN + 1).min(times.len());
-        let (times, free) = (&times[range.clone()], &free[range.clone()]);
-        let given = changes[range.clone()].to_vec();
-        let is_soft = |changes: &[f64]| {
-            let angles: Vec<f64> = changes.iter().zip(&captured[range.clone()]).map(|(a, b)| a + b).collect();
-            largest_acceleration(times, &angles) <= HARDEST * largest
+        let swing = Swing {
+            times: &times[range.clone()],
+            captured: &captured[range.clone()],
+            free: &free[range.clone()],
+            least: &least[range.clone()],
         };
-        if is_soft(&given) {
+        let given = changes[range.clone()].to_vec();
+        if swing.acceleration(&given) <= most {
             continue;
         }
         for width in WIDTHS {
-            let rounded = relax(times, &given, free, width);
+            let rounded = swing.rounded(&given, width);
+            let is_soft = swing.acceleration(&rounded) <= most;
             changes[range.clone()].copy_from_slice(&rounded);
-            if is_soft(&rounded) {
+            if is_soft {
                 break;
             }
         }
+    }
+}
+
+/// One swing of a leg with the samples beside it.
+struct Swing<'a> {
+    times: &'a [f64],
+    captured: &'a [f64],
+    free: &'a [bool],
+    least: &'a [f64],
+}
+
+impl Swing<'_> {
+    fn acceleration(&self, changes: &[f64]) -> f64 {
+        let angles: Vec<f64> = changes.iter().zip(self.captured).map(|(a, b)| a + b).collect();
+        largest_acceleration(self.times, &angles)
+    }
+
+    /// `given`, rounded off over `width` seconds; where that falls below the least, it is held there.
+    fn rounded(&self, given: &[f64], width: f64) -> Vec<f64> {
+        let (mut given, mut free) = (given.to_vec(), self.free.to_vec());
+        let mut rounded = relax(self.times, &given, &free, width);
+        for _ in 0..ROUNDS {
+            let mut is_low = false;
+            for at in 0..given.len() {
+                if free[at] && rounded[at] < self.least[at] {
+                    (given[at], free[at], is_low) = (self.least[at], false, true);
+                }
+            }
+            if !is_low {
+                return rounded;
+            }
+            rounded = relax(self.times, &given, &free, width);
+        }
+        for (at, value) in rounded.iter_mut().enumerate().filter(|(at, _)| self.free[*at]) {
+            *value = value.max(self.least[at]);
+        }
+        rounded
     }
 }

@@ -8,7 +8,7 @@ use glam::{DMat3, DVec3};
 
 use crate::clip::contacts::runs;
 use crate::full_body::chain::Place;
-use crate::full_body::fade::{Span, fill};
+use crate::full_body::fade::{Slopes, Span, fill};
 use crate::full_body::limb::minimal_rotation;
 use crate::full_body::plants::{Displacement, LegTrack};
 use crate::geometry::{exp, log};
@@ -21,6 +21,9 @@ const FASTEST: f64 = 0.25;
 const SHORTEST: f64 = 2.0 / 30.0;
 /// Time in which the foot turns back as captured when heel or toe lift, seconds.
 const BLEND: f64 = 5.0 / 30.0;
+/// Nothing is held that would turn a joint of the leg, or the foot, farther than this, radians: 2°. Ankles add up turns of
+/// both.
+const LARGEST_TURN: f64 = 0.035;
 /// Passes of the search for the place of least turn.
 const PASSES: usize = 20;
 
@@ -42,10 +45,10 @@ pub fn pins(times: &[f64], leg: &LegTrack, fade: f64) -> Pins {
     let mut held = Held { heel: vec![None; count], toe: vec![None; count] };
     let heels: Vec<DVec3> = leg.rest.iter().map(|place| place.limb.lower).collect();
     let toes: Vec<DVec3> = leg.rest.iter().map(|place| place.end).collect();
-    for span in still(times, &heels, &leg.heel) {
-        held.heel[span.first..=span.last].fill(Some(least_turn(&leg.rest, &heels, span)));
+    for span in still(times, &leg.rest, &heels, &leg.heel) {
+        held.hold_heel(leg, span, least_turn(&leg.rest, &heels, span));
     }
-    for span in still(times, &toes, &leg.toe) {
+    for span in still(times, &leg.rest, &toes, &leg.toe) {
         held.hold_toe(leg, span, least_turn(&leg.rest, &toes, span));
     }
     let corrections = corrections(times, leg, &held, fade);
@@ -60,48 +63,61 @@ struct Held {
 }
 
 impl Held {
-    /// Holds the toe at `place`, but as far from the heel as it is on the foot where both are held. A second place of the
-    /// heel within `span` ends it: one toe has one place.
+    /// Holds the heel at `place` while that turns no joint by more than [`LARGEST_TURN`].
+    fn hold_heel(&mut self, leg: &LegTrack, span: Span, place: DVec3) {
+        for at in span.first..=span.last {
+            let own = &leg.rest[at];
+            if leg_turn(own, place - own.limb.lower) < LARGEST_TURN {
+                self.heel[at] = Some(place);
+            }
+        }
+    }
+
+    /// Holds the toe at `place`, but as far from the heel as it is on the foot where both are held, and only while that
+    /// turns neither foot nor leg by more than [`LARGEST_TURN`]. A second place of the heel within `span` ends it: one toe has
+    /// one place.
     fn hold_toe(&mut self, leg: &LegTrack, span: Span, place: DVec3) {
         let first_heel = self.heel[span.first..=span.last].iter().flatten().next().copied();
         let length = leg.rest[span.first].limb.lower.distance(leg.rest[span.first].end);
         let place = first_heel.map_or(place, |heel| heel + (place - heel).normalize_or_zero() * length);
         for at in span.first..=span.last {
-            if self.heel[at].is_some() && self.heel[at] != first_heel {
-                break;
+            let own = &leg.rest[at];
+            match self.heel[at] {
+                Some(_) if self.heel[at] != first_heel => break,
+                Some(heel) if (own.end - own.limb.lower).angle_between(place - heel) > LARGEST_TURN => {}
+                None if leg_turn(own, place - own.end) > LARGEST_TURN => {}
+                _ => self.toe[at] = Some(place),
             }
-            self.toe[at] = Some(place);
         }
     }
 }
 
-/// The stretches of `labels` in which a point stands still.
-fn still(times: &[f64], points: &[DVec3], labels: &[bool]) -> Vec<Span> {
+/// The stretches of `labels` in which a point stands still, [`BLEND`] apart.
+fn still(times: &[f64], places: &[Place], points: &[DVec3], labels: &[bool]) -> Vec<Span> {
     let mut open: Vec<Span> = runs(labels).into_iter().map(|(first, last)| Span { first, last }).collect();
     let mut found = Vec::new();
-    let long = |span: &Span| times[span.last] - times[span.first] > SHORTEST - 1e-9;
     while let Some(span) = open.pop() {
         let slowest = (span.first..=span.last)
             .map(|at| (speed(times, points, at), at))
             .min_by(|a, b| a.0.total_cmp(&b.0));
-        let Some((speed, at)) = slowest.filter(|_| long(&span)) else {
+        let Some((_, at)) = slowest.filter(|(speed, _)| *speed < FASTEST) else {
             continue;
         };
-        if speed > FASTEST {
-            continue;
+        let core = around(places, points, span, at);
+        if times[core.last] - times[core.first] > SHORTEST - ROUNDING {
+            found.push(core);
         }
-        let core = around(points, span, at);
-        found.extend(Some(core).filter(long));
-        if core.first > span.first {
-            open.push(Span { first: span.first, last: core.first - 1 });
-        }
-        if core.last < span.last {
-            open.push(Span { first: core.last + 1, last: span.last });
-        }
+        let before = (span.first..core.first).rev().find(|&at| times[at] < times[core.first] - BLEND);
+        let after = (core.last..=span.last).find(|&at| times[at] > times[core.last] + BLEND);
+        open.extend(before.map(|last| Span { first: span.first, last }));
+        open.extend(after.map(|first| Span { first, last: span.last }));
     }
     found.sort_by_key(|span| span.first);
     found
 }
+
+/// Rounding of times, seconds.
+const ROUNDING: f64 = 1e-9;
 
 /// Speed of a point at sample `at`, m/s.
 fn speed(times: &[f64], points: &[DVec3], at: usize) -> f64 {
@@ -110,11 +126,27 @@ fn speed(times: &[f64], points: &[DVec3], at: usize) -> f64 {
 }
 
 /// The samples about `at` in which a point stays near where it is then.
-fn around(points: &[DVec3], within: Span, at: usize) -> Span {
-    let near = |other: &usize| points[*other].distance(points[at]) < STILL;
+fn around(places: &[Place], points: &[DVec3], within: Span, at: usize) -> Span {
+    let near = |other: &usize| {
+        let shift = points[at] - points[*other];
+        shift.length() < STILL && leg_turn(&places[*other], shift) < LARGEST_TURN
+    };
     let first = (within.first..=at).rev().take_while(near).last().unwrap_or(at);
     let last = (at..=within.last).take_while(near).last().unwrap_or(at);
     Span { first, last }
+}
+
+/// How far a joint of the leg turns when the foot is shifted, radians: the knee, or the hip. No turn is enough where the
+/// leg does not reach.
+fn leg_turn(place: &Place, shift: DVec3) -> f64 {
+    let limb = place.limb;
+    let distance = limb.upper.distance(limb.lower + shift);
+    let length: f64 = limb.lengths().iter().sum();
+    if distance > length && distance > limb.upper.distance(limb.lower) {
+        return f64::INFINITY;
+    }
+    let knee = limb.bend_at(distance) - limb.bend();
+    knee.abs().max((limb.lower - limb.upper).angle_between(limb.lower + shift - limb.upper))
 }
 
 /// The place for a point of the foot that turns the joints of the leg least, all along `span`: the smallest largest cost,
@@ -174,7 +206,7 @@ fn corrections(times: &[f64], leg: &LegTrack, held: &Held, fade: f64) -> Vec<Dis
             turns[at] = [log(minimal_rotation(foot, toe - heel))];
         }
     }
-    fill(times, &spans(&both), BLEND, &mut turns);
+    fill(times, &spans(&both), (BLEND, Slopes::Level), &mut turns);
     let mut shifts = vec![[DVec3::ZERO]; count];
     for at in 0..count {
         let (ankle, toe) = (leg.rest[at].limb.lower, leg.rest[at].end);
@@ -185,9 +217,33 @@ fn corrections(times: &[f64], leg: &LegTrack, held: &Held, fade: f64) -> Vec<Dis
         }];
     }
     let any: Vec<bool> = (0..count).map(|at| held.heel[at].is_some() || held.toe[at].is_some()).collect();
-    fill(times, &spans(&any), fade, &mut shifts);
+    fill(times, &spans(&any), (fade, Slopes::Level), &mut shifts);
+    for at in (0..count).filter(|&at| !any[at]) {
+        shifts[at][0] = afforded(&leg.rest[at], shifts[at][0]);
+    }
     shifts.iter().zip(&turns).map(|(shift, turn)| [shift[0], turn[0]]).collect()
 }
+
+/// `shift`, or as much of it as turns no joint of the leg by more than [`LARGEST_TURN`]: a faded shift is small, but a leg
+/// may be stretched straight there.
+fn afforded(place: &Place, shift: DVec3) -> DVec3 {
+    let (mut afforded, mut refused) = (0.0, 1.0);
+    if leg_turn(place, shift) <= LARGEST_TURN {
+        return shift;
+    }
+    for _ in 0..HALVINGS {
+        let middle = 0.5 * (afforded + refused);
+        if leg_turn(place, shift * middle) <= LARGEST_TURN {
+            afforded = middle;
+        } else {
+            refused = middle;
+        }
+    }
+    shift * afforded
+}
+
+/// Halvings of a share: to a millionth.
+const HALVINGS: usize = 20;
 
 /// The runs of `labels`.
 pub fn spans(labels: &[bool]) -> Vec<Span> {

@@ -43,3 +43,21 @@ fn laid(along: f64, left: f64, turn: f64, length: f64) -> (c64, f64) {
     let centre = c64::new(0.0, radius);
     (centre + c64::new(0.0, left - radius) * cis(angle), angle)
 }
+
+impl Bend {
+    /// For messages.
+    pub(crate) fn name(&self) -> String {
+        format!("{:.0} degrees, ×{}", self.turn.to_degrees(), self.stretch)
+    }
+}
+
+/// `poses` turned by `turn` about the origin and moved: an edit that changes no step.
+pub(crate) fn placed(poses: &[Pose], turn: f64) -> Vec<Pose> {
+    let moved = |pose: &Pose| {
+        let mut moved = pose.clone();
+        moved.root = world_of(cis(turn) * plan_of(pose.root) + c64::new(2.0, -1.0), pose.root.y);
+        moved.rotations[0] = yaw(turn) * pose.rotations[0];
+        moved
+    };
+    poses.iter().map(moved).collect()
+}
