@@ -14,7 +14,7 @@ use crate::full_body::pins::{pins, spans};
 use crate::full_body::plants::{Displacement, LegTrack, bearing, plants};
 use crate::full_body::reach::Demand;
 use crate::full_body::{BodyInput, PlantMode};
-use crate::geometry::{exp, log};
+use crate::geometry::{exp, log, smoothstep};
 use crate::skeleton::{Pose, Skeleton};
 
 /// A displacement below this is none, metres and radians: rounding, which a straight knee would magnify.
@@ -28,6 +28,9 @@ const STRETCH: f64 = 0.985;
 
 /// The body does not come down for a swinging foot that misses its way by less than this, metres: the knee gives way.
 const SWING_SLACK: f64 = 0.004;
+
+/// A foot displaced this far takes another stride than the captured one, metres.
+const OTHER_STRIDE: f64 = 0.1;
 
 /// A leg this near to level cannot tell how high its foot is by its length, sine.
 const NEARLY_LEVEL: f64 = 0.1;
@@ -131,11 +134,17 @@ impl Leg {
 
     /// What the leg asks of the place of its hip at sample `at`.
     pub fn demand(&self, at: usize) -> Demand {
-        Demand {
-            hip: self.track.moved[at].limb.upper,
-            ankle: self.target(at).position,
-            reach: if self.bound[at] { self.reaches[at] } else { self.reaches[at] + SWING_SLACK },
-        }
+        let reach = if self.bound[at] { self.reaches[at] } else { self.swing_reach(at) };
+        Demand { hip: self.track.moved[at].limb.upper, ankle: self.target(at).position, reach }
+    }
+
+    /// How far the leg may stretch while its foot is free, metres: as captured as long as the foot is not displaced far, but
+    /// not quite straight in a stride of another length.
+    fn swing_reach(&self, at: usize) -> f64 {
+        let length: f64 = self.track.rest[at].limb.lengths().iter().sum();
+        let bent = STRETCH * length;
+        let far = smoothstep(self.displacements[at][0].length() / OTHER_STRIDE);
+        bent + (self.reaches[at] - bent) * (1.0 - far) + SWING_SLACK
     }
 
     /// Whether nothing is asked of the leg at sample `at`, with the body shifted by `shift`.
