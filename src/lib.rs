@@ -44,6 +44,7 @@ pub mod object_motion;
 pub mod edit;
 pub mod resample;
 pub mod reach;
+pub mod full_body;
 pub mod metrics;
 pub mod residual;
 pub mod export;

@@ -1,0 +1,249 @@
+//! Feet that do not slide: the exact pass over the legs.
+//!
+//! Source: Kovar, Schreiner & Gleicher, *Footskate Cleanup for Motion Capture Editing*, SCA 2002.
+
+use glam::DVec3;
+
+use crate::clip::contacts::FootContacts;
+use crate::full_body::aim::{bend_hint, solve};
+use crate::full_body::chain::{Chain, EndPose, Place, legs};
+use crate::full_body::fade::{Slopes, Span, fill};
+use crate::full_body::knees::soften;
+use crate::full_body::limb::softened;
+use crate::full_body::pins::{pins, spans};
+use crate::full_body::plants::{Displacement, LegTrack, bearing, plants};
+use crate::full_body::reach::Demand;
+use crate::full_body::{BodyInput, PlantMode};
+use crate::geometry::{exp, log, smoothstep};
+use crate::skeleton::{Pose, Skeleton};
+
+/// A displacement below this is none, metres and radians: rounding, which a straight knee would magnify.
+const NOTHING: f64 = 1e-9;
+
+/// Seconds in which the displacement of a foot vanishes before and after it bears.
+pub const FADE: f64 = 10.0 / 30.0;
+
+/// Legs are not stretched flatter than this, share of their length, unless captured so: 20° at the knee.
+const STRETCH: f64 = 0.985;
+
+/// The body does not come down for a swinging foot that misses its way by less than this, metres: the knee gives way.
+const SWING_SLACK: f64 = 0.004;
+
+/// A foot displaced this far takes another stride than the captured one, metres.
+const OTHER_STRIDE: f64 = 0.1;
+
+/// A leg this near to level cannot tell how high its foot is by its length, sine.
+const NEARLY_LEVEL: f64 = 0.1;
+
+/// What is to become of one leg.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Leg {
+    /// Its joints.
+    pub chain: Chain,
+    /// Where it is.
+    pub track: LegTrack,
+    /// Displacement of the foot at each sample, from where the edit of the path carries it.
+    pub displacements: Vec<Displacement>,
+    /// Samples at which the foot must be where it is displaced to.
+    pub bound: Vec<bool>,
+    /// When its heel and its toe are planted: as captured, or held still.
+    pub planted: [Vec<bool>; 2],
+    /// How far it may stretch at each sample, metres.
+    reaches: Vec<f64>,
+    /// To which side its knee bends, in the axes of the hip.
+    hint: DVec3,
+}
+
+/// Plans both legs; those that the skeleton lacks are left out.
+pub fn plan(skeleton: &Skeleton, input: &BodyInput, mode: PlantMode) -> Vec<Leg> {
+    let sides = legs(skeleton).into_iter().enumerate();
+    sides.filter_map(|(side, chain)| Some(plan_leg(skeleton, input, mode, (side, chain?)))).collect()
+}
+
+fn plan_leg(skeleton: &Skeleton, input: &BodyInput, mode: PlantMode, (side, chain): (usize, Chain)) -> Leg {
+    let places = |poses: &[Pose]| poses.iter().map(|pose| chain.place(skeleton, pose)).collect();
+    let [heel, toe] = bearing(&input.contacts, side);
+    let bound: Vec<bool> = heel.iter().zip(&toe).map(|(heel, toe)| *heel || *toe).collect();
+    let track = LegTrack { rest: places(&input.rest), moved: places(&input.moved), heel, toe };
+    let (corrections, planted) = match mode {
+        PlantMode::AsCaptured => (None, [track.heel.clone(), track.toe.clone()]),
+        PlantMode::Pinned => {
+            let pins = pins(&input.times, &track, FADE);
+            (Some(pins.corrections), [pins.heel, pins.toe])
+        }
+    };
+    let displacements = displacements(&track, corrections.as_deref());
+    let hint = bend_hint(track.rest.iter());
+    let reaches = reaches(&track, corrections.as_deref());
+    Leg { chain, track, displacements, bound, planted, reaches, hint }
+}
+
+/// Displacements of the foot in its plants; none elsewhere.
+fn displacements(track: &LegTrack, corrections: Option<&[Displacement]>) -> Vec<Displacement> {
+    let mut displacements = vec![[DVec3::ZERO; 2]; track.rest.len()];
+    for plant in plants(track) {
+        for at in plant.span.first..=plant.span.last {
+            let mut foot = track.rest[at].end_pose();
+            if let Some(corrections) = corrections {
+                foot = displaced(&foot, &corrections[at]);
+            }
+            displacements[at] = from_to(&track.moved[at].end_pose(), &plant.carry(&foot));
+        }
+    }
+    displacements
+}
+
+/// How far the leg may stretch at each sample, metres: as captured (and held still), or nearly straight.
+fn reaches(track: &LegTrack, corrections: Option<&[Displacement]>) -> Vec<f64> {
+    let reach = |(at, place): (usize, &Place)| {
+        let limb = &place.limb;
+        let length: f64 = limb.lengths().iter().sum();
+        let held = corrections.map_or(limb.lower, |corrections| limb.lower + corrections[at][0]);
+        limb.upper.distance(limb.lower).max(limb.upper.distance(held).min(length)).max(STRETCH * length)
+    };
+    track.rest.iter().enumerate().map(reach).collect()
+}
+
+/// `foot`, displaced.
+fn displaced(foot: &EndPose, [shift, turn]: &Displacement) -> EndPose {
+    EndPose { position: foot.position + *shift, rotation: exp(*turn) * foot.rotation }
+}
+
+/// What takes `from` to `to`.
+fn from_to(from: &EndPose, to: &EndPose) -> Displacement {
+    [to.position - from.position, log(to.rotation * from.rotation.inverse())]
+}
+
+impl Leg {
+    /// Has the foot at `target` at sample `at`, whatever its plants ask for.
+    pub fn bind(&mut self, at: usize, target: &EndPose) {
+        self.displacements[at] = from_to(&self.track.moved[at].end_pose(), target);
+        self.bound[at] = true;
+    }
+
+    /// Carries the displacements of bound samples on into those between.
+    pub fn fill(&mut self, times: &[f64]) {
+        let bound: Vec<Span> = spans(&self.bound);
+        fill(times, &bound, (FADE, Slopes::Kept), &mut self.displacements);
+    }
+
+    /// Where the foot is to be at sample `at`.
+    pub fn target(&self, at: usize) -> EndPose {
+        displaced(&self.track.moved[at].end_pose(), &self.displacements[at])
+    }
+
+    /// What the leg asks of the place of its hip at sample `at`.
+    pub fn demand(&self, at: usize) -> Demand {
+        let reach = if self.bound[at] { self.reaches[at] } else { self.swing_reach(at) };
+        Demand { hip: self.track.moved[at].limb.upper, ankle: self.target(at).position, reach }
+    }
+
+    /// How far the leg may stretch while its foot is free, metres: as captured as long as the foot is not displaced far, but
+    /// not quite straight in a stride of another length.
+    fn swing_reach(&self, at: usize) -> f64 {
+        let length: f64 = self.track.rest[at].limb.lengths().iter().sum();
+        let bent = STRETCH * length;
+        let far = smoothstep(self.displacements[at][0].length() / OTHER_STRIDE);
+        bent + (self.reaches[at] - bent) * (1.0 - far) + SWING_SLACK
+    }
+
+    /// Whether nothing is asked of the leg at sample `at`, with the body shifted by `shift`.
+    fn is_idle(&self, at: usize, shift: DVec3) -> bool {
+        let [foot, turn] = self.displacements[at];
+        shift.length() < NOTHING && foot.length() < NOTHING && turn.length() < NOTHING
+    }
+
+    /// Brings the foot to its targets in all `poses`, whose roots are shifted by `shifts`. Cost: linear.
+    pub fn solve(&self, skeleton: &Skeleton, times: &[f64], shifts: &[DVec3], poses: &mut [Pose]) {
+        let (changes, free) = self.knee_changes(times, shifts);
+        for (at, pose) in poses.iter_mut().enumerate() {
+            if self.is_idle(at, shifts[at]) {
+                continue;
+            }
+            let place = self.track.moved[at].shifted(shifts[at]);
+            let mut target = self.target(at);
+            if free[at] {
+                let goal = place.limb.span_at((place.limb.bend() + changes[at]).max(0.0));
+                let towards = (target.position - place.limb.upper).normalize_or_zero();
+                target.position = place.limb.upper + towards * goal;
+            }
+            solve(&self.chain, skeleton, pose, (&place, &target), self.hint);
+        }
+    }
+
+    /// By how much the knee is to bend more at each sample, and where the foot is free to follow it.
+    fn knee_changes(&self, times: &[f64], shifts: &[DVec3]) -> (Vec<f64>, Vec<bool>) {
+        let captured: Vec<f64> = self.track.moved.iter().map(|place| place.limb.bend()).collect();
+        let clearances = self.clearances();
+        let mut free = vec![false; times.len()];
+        let mut changes = vec![0.0; times.len()];
+        let mut least = vec![f64::NEG_INFINITY; times.len()];
+        for at in (0..times.len()).filter(|&at| !self.is_idle(at, shifts[at])) {
+            let limb = self.track.moved[at].limb;
+            let hip = limb.upper + shifts[at];
+            free[at] = !self.bound[at];
+            let distance = hip.distance(self.target(at).position);
+            let spanned = limb.upper.distance(limb.lower);
+            let length: f64 = limb.lengths().iter().sum();
+            let goal = if distance <= spanned || !free[at] {
+                distance
+            } else {
+                softened(distance, length).max(spanned)
+            };
+            changes[at] = limb.bend_at(goal) - captured[at];
+            let steep = (hip.y - self.target(at).position.y) / distance.max(f64::MIN_POSITIVE);
+            if steep > NEARLY_LEVEL {
+                least[at] = limb.bend_at(goal + clearances[at] / steep) - captured[at];
+            }
+        }
+        soften(times, &captured, (&free, &least), &mut changes);
+        (changes, free)
+    }
+}
+
+/// Lowest ankle and toe of a leg in a plant.
+type Floor = [f64; 2];
+
+impl Leg {
+    /// How far the foot may come down at each sample before it is below the ground it leaves or comes to, metres.
+    fn clearances(&self) -> Vec<f64> {
+        let heights = |at: usize| [self.track.rest[at].limb.lower.y, self.track.rest[at].end.y];
+        let mut clearances = vec![0.0; self.bound.len()];
+        let mut before: Option<Floor> = None;
+        let mut from = 0;
+        let end = Span { first: self.bound.len(), last: self.bound.len() };
+        for span in spans(&self.bound).into_iter().chain([end]) {
+            let own = (span.first..=span.last).take_while(|&at| at < end.first).map(heights).reduce(lower);
+            let floor = match (before, own) {
+                (Some(before), Some(own)) => Some(lower(before, own)),
+                (before, own) => before.or(own),
+            };
+            for at in from..span.first {
+                let [ankle, toe] = heights(at);
+                clearances[at] = floor.map_or(0.0, |floor| (ankle - floor[0]).min(toe - floor[1]).max(0.0));
+            }
+            before = own;
+            from = span.last + 1;
+        }
+        clearances
+    }
+}
+
+fn lower(a: Floor, b: Floor) -> Floor {
+    [a[0].min(b[0]), a[1].min(b[1])]
+}
+
+/// Which points of the feet are planted, by the legs' plans.
+pub fn planted(skeleton: &Skeleton, legs: &[Leg], contacts: &[FootContacts]) -> Vec<FootContacts> {
+    let mut planted = contacts.to_vec();
+    let sides = self::legs(skeleton).into_iter().enumerate().filter(|(_, chain)| chain.is_some());
+    for ((side, _), leg) in sides.zip(legs) {
+        let points = crate::full_body::plants::points(side);
+        for (point, labels) in points.into_iter().zip(&leg.planted) {
+            for (contact, label) in planted.iter_mut().zip(labels) {
+                contact.set(point, *label);
+            }
+        }
+    }
+    planted
+}

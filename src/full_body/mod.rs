@@ -1,0 +1,187 @@
+//! Hands and feet where they must be: the poses of an edited track corrected sample by sample.
+//!
+//! An edit moves and turns the root, joint angles stay: feet slide, hands miss. [`refine`] puts that right. Feet that bear
+//! stand as captured, on ground that moves as a whole with the edit; between, their displacement goes over from one plant
+//! to the next. Where legs do not reach, the body comes down, smoothly. Hands go where they must by hierarchical
+//! displacements. What an edit does not touch comes out bit for bit as it went in.
+//!
+//! Sources: Kovar, Schreiner & Gleicher, *Footskate Cleanup for Motion Capture Editing*, SCA 2002; Lee & Shin, *A
+//! Hierarchical Approach to Interactive Motion Editing for Human-like Figures*, SIGGRAPH 1999.
+
+pub mod displacement;
+pub mod limb;
+pub mod smooth;
+pub mod chain;
+pub mod aim;
+pub mod fade;
+pub mod plants;
+pub mod pins;
+pub mod reach;
+pub mod knees;
+pub mod feet;
+pub mod effector;
+pub mod hierarchical;
+pub mod report;
+
+use glam::DVec3;
+
+use crate::clip::contacts::FootContacts;
+use crate::full_body::chain::{Chain, arms};
+use crate::full_body::displacement::Sample;
+pub use crate::full_body::effector::{Effector, Target};
+use crate::full_body::feet::{FADE, Leg};
+use crate::full_body::hierarchical::{CLOSE, KNOTS, bring, level, sample};
+use crate::full_body::reach::{Demand, drops, within_reach};
+pub use crate::full_body::report::{BodyReport, FootPlant, JointChange, Shortfall};
+use crate::skeleton::{Pose, Skeleton};
+
+/// One character at successive moments: output frames, and constrained moments between them.
+#[derive(Clone, Debug, PartialEq)]
+pub struct BodyInput {
+    /// Seconds, rising; at least one.
+    pub times: Vec<f64>,
+    /// As captured and placed, before the edit; one a moment, like all below.
+    pub rest: Vec<Pose>,
+    /// With the root where the edit has it.
+    pub moved: Vec<Pose>,
+    /// Which points of the feet bear.
+    pub contacts: Vec<FootContacts>,
+    /// Ends of the body that must be somewhere.
+    pub effectors: Vec<Effector>,
+}
+
+/// How feet stand.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum PlantMode {
+    /// As the capture has them, with its own small drift: an edit that changes nothing changes nothing.
+    #[default]
+    AsCaptured,
+    /// Perfectly still, at the points that turn the joints least.
+    Pinned,
+}
+
+/// What [`refine`] makes of it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Refined {
+    /// One a moment.
+    pub poses: Vec<Pose>,
+    /// Which points of the feet are planted: the contacts, and of these only what stands in [`PlantMode::Pinned`].
+    pub planted: Vec<FootContacts>,
+    /// What was done, and what could not be.
+    pub report: BodyReport,
+}
+
+/// Sweeps over the place of the body: hands may pull it where feet do not reach, and the other way round.
+const SWEEPS: usize = 3;
+
+/// Corrects the poses of one character. Cost: linear in moments.
+///
+/// # Panics
+/// If the lists of `input` differ in length or an effector has targets beyond them; poses must be of `skeleton`.
+pub fn refine(skeleton: &Skeleton, input: &BodyInput, mode: PlantMode) -> Refined {
+    let count = input.times.len();
+    let lengths = [input.rest.len(), input.moved.len(), input.contacts.len()];
+    assert_eq!(lengths, [count; 3], "one pose before and after the edit and one contact a moment");
+    let mut legs = feet::plan(skeleton, input, mode);
+    bind_feet(skeleton, input, &mut legs);
+    let shifts = body_shifts(skeleton, input, &legs);
+    let mut poses = input.moved.clone();
+    for (pose, shift) in poses.iter_mut().zip(&shifts) {
+        pose.root += *shift;
+    }
+    for leg in &legs {
+        leg.solve(skeleton, &input.times, &shifts, &mut poses);
+    }
+    let limbs: Vec<Chain> = arms(skeleton).into_iter().flatten().collect();
+    for limb in &limbs {
+        let of_limb = |end: &&Effector| end.limb(skeleton, &limbs) == Some(limb);
+        let effectors: Vec<&Effector> = input.effectors.iter().filter(of_limb).collect();
+        bring(skeleton, &input.times, limb, &effectors, &mut poses);
+    }
+    orient_others(skeleton, input, (&limbs, &legs), &mut poses);
+    let planted = feet::planted(skeleton, &legs, &input.contacts);
+    let report = report::report(skeleton, input, (&legs, &planted), &poses);
+    Refined { poses, planted, report }
+}
+
+/// Effectors on feet go before their plants.
+fn bind_feet(skeleton: &Skeleton, input: &BodyInput, legs: &mut [Leg]) {
+    for leg in legs {
+        let chain = leg.chain;
+        for end in input.effectors.iter().filter(|end| end.limb(skeleton, &[chain]).is_some()) {
+            for (place, target) in end.targets.iter().enumerate() {
+                let at = end.first + place;
+                let foot = effector::end_pose(skeleton, &chain, &input.moved[at], (end.joint, target));
+                leg.bind(at, &foot);
+            }
+        }
+        leg.fill(&input.times);
+    }
+}
+
+/// Gives joints that no limb brings anywhere their rotations.
+fn orient_others(skeleton: &Skeleton, input: &BodyInput, (limbs, legs): (&[Chain], &[Leg]), poses: &mut [Pose]) {
+    for end in &input.effectors {
+        let by_leg = legs.iter().any(|leg| end.limb(skeleton, &[leg.chain]).is_some());
+        if by_leg || end.limb(skeleton, limbs).is_some() {
+            continue;
+        }
+        for at in end.first..end.first + end.targets.len() {
+            end.orient(skeleton, &mut poses[at], at);
+        }
+    }
+}
+
+/// How the body must be shifted so that feet and other ends reach: down for the feet, any way for the others.
+fn body_shifts(skeleton: &Skeleton, input: &BodyInput, legs: &[Leg]) -> Vec<DVec3> {
+    let times = &input.times;
+    let feet: Vec<Vec<Demand>> =
+        legs.iter().map(|leg| (0..times.len()).map(|at| leg.demand(at)).collect()).collect();
+    let others = other_demands(skeleton, input, legs);
+    let mut pulled = vec![DVec3::ZERO; times.len()];
+    let mut shifts = lowered(times, &feet, &pulled);
+    if others.is_empty() {
+        return shifts;
+    }
+    for _ in 0..SWEEPS {
+        for spacing in KNOTS {
+            let samples: Vec<Sample<3>> = others
+                .iter()
+                .map(|(at, demands)| {
+                    let bound = legs.iter().zip(&feet).filter(|(leg, _)| leg.bound[*at]);
+                    let all: Vec<Demand> =
+                        demands.iter().copied().chain(bound.map(|(_, feet)| feet[*at])).collect();
+                    sample(times[*at], &[within_reach(&all, shifts[*at]) - shifts[*at]])
+                })
+                .collect();
+            if samples.iter().all(|sample| DVec3::from_array(sample.value).length() < CLOSE) {
+                return shifts;
+            }
+            let spline = level(times, &samples, spacing);
+            for (pull, time) in pulled.iter_mut().zip(times) {
+                *pull += DVec3::from_array(spline.at(*time));
+            }
+            shifts = lowered(times, &feet, &pulled);
+        }
+    }
+    shifts
+}
+
+/// `pulled`, and down as far as the feet need it.
+fn lowered(times: &[f64], feet: &[Vec<Demand>], pulled: &[DVec3]) -> Vec<DVec3> {
+    let drops = drops(times, feet, pulled, FADE);
+    pulled.iter().zip(drops).map(|(pull, drop)| *pull - DVec3::Y * drop).collect()
+}
+
+/// What the effectors that are on no leg ask of the body, by sample; samples without any are left out.
+fn other_demands(skeleton: &Skeleton, input: &BodyInput, legs: &[Leg]) -> Vec<(usize, Vec<Demand>)> {
+    let limbs: Vec<Chain> = arms(skeleton).into_iter().flatten().collect();
+    let on_leg = |end: &Effector| legs.iter().any(|leg| end.limb(skeleton, &[leg.chain]).is_some());
+    let ends: Vec<&Effector> = input.effectors.iter().filter(|end| !on_leg(end)).collect();
+    let demands = |at: usize| -> Vec<Demand> {
+        ends.iter()
+            .filter_map(|end| end.demand(skeleton, end.limb(skeleton, &limbs), &input.moved[at], at))
+            .collect()
+    };
+    (0..input.times.len()).map(|at| (at, demands(at))).filter(|(_, demands)| !demands.is_empty()).collect()
+}

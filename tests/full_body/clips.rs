@@ -1,0 +1,155 @@
+//! The walking, running and turning clips among the captures, and the stretches of them that have a direction.
+
+use std::path::Path;
+use std::sync::Arc;
+
+use cotillion::clip::contacts::FootContacts;
+use cotillion::clip::file::read_file;
+use cotillion::clip::read::ReadOptions;
+use cotillion::clip::working::{WORKING_STEP, WorkingClip};
+use cotillion::geometry::plan_of;
+use cotillion::skeleton::{Pose, Skeleton};
+use libtest_mimic::Failed;
+
+/// Every clip whose name or description in the manifest says walk, run, jog or turn (dives and jumps between runs too).
+pub(crate) const CLIPS: [&str; 45] = [
+    "amc/cmu_02_01_walk_straight.amc",
+    "amc/cmu_02_03_run_jog_straight.amc",
+    "amc/cmu_03_01_walk_on_uneven_terrain_step_down.amc",
+    "amc/cmu_03_02_walk_on_uneven_terrain.amc",
+    "amc/cmu_09_01_run_straight.amc",
+    "amc/cmu_09_12_navigate_forward_backward_sideways.amc",
+    "amc/cmu_127_04_walk_to_run_transition.amc",
+    "amc/cmu_127_05_run_to_quick_stop.amc",
+    "amc/cmu_127_13_run_side_step_left.amc",
+    "amc/cmu_127_14_run_side_step_right.amc",
+    "amc/cmu_127_16_run_turn_right.amc",
+    "amc/cmu_127_21_run_jump_stop_run.amc",
+    "amc/cmu_127_23_run_dive_over_and_roll_run.amc",
+    "amc/cmu_127_25_run_jump_over_obstacle.amc",
+    "amc/cmu_127_29_run_duck_underneath.amc",
+    "amc/cmu_127_33_run_over_low_obstacle.amc",
+    "amc/cmu_127_37_run_duck_underneath_low.amc",
+    "amc/cmu_16_11_walk_veer_left.amc",
+    "amc/cmu_16_13_walk_veer_right.amc",
+    "amc/cmu_16_15_walk_straight.amc",
+    "amc/cmu_16_17_walk_90_degree_left_turn.amc",
+    "amc/cmu_16_19_walk_90_degree_right_turn.amc",
+    "amc/cmu_16_33_slow_walk_then_stop.amc",
+    "amc/cmu_16_35_jog_straight.amc",
+    "amc/cmu_16_37_jog_veer_left.amc",
+    "amc/cmu_16_41_jog_90_degree_left_turn.amc",
+    "amc/cmu_16_57_jog_sudden_stop.amc",
+    "amc/cmu_49_01_walk_straight_gymnast.amc",
+    "amc/cmu_49_04_run_and_leap.amc",
+    "bvh/cmu_12_01_walk.bvh",
+    "bvh/cmu_131_01_start_walk_stop.bvh",
+    "bvh/cmu_37_01_walk.bvh",
+    "bvh/mass_run.bvh",
+    "bvh/mass_walk.bvh",
+    "bvh/snu_cross_walk_90.bvh",
+    "bvh/snu_slope_up_10.bvh",
+    "bvh/snu_slope_up_16.bvh",
+    "bvh/snu_spiral_left_fast.bvh",
+    "bvh/snu_spiral_walk_normal.bvh",
+    "bvh/snu_u_turn.bvh",
+    "bvh/snu_walk_left_90.bvh",
+    "bvh/snu_walk_stop_walk.bvh",
+    "bvh/snu_walk_straight_normal.bvh",
+    "bvh/snu_walk_to_slope_and_back.bvh",
+    "bvh/snu_walk_turn_180.bvh",
+];
+
+/// Skeletons of 13 joints without toes or ends of feet.
+pub(crate) const CYCLES: [&str; 3] = [
+    "deepmimic/humanoid3d_jog.txt",
+    "deepmimic/humanoid3d_run.txt",
+    "deepmimic/humanoid3d_walk.txt",
+];
+
+/// Headers of these say 24 frames a second, and are wrong: played so, bodies fall slower than they do.
+const WRONG_RATE: &str = "snu_";
+/// What they were captured at.
+const RIGHT_RATE: f64 = 30.0;
+
+/// A clip, on working frames.
+pub(crate) struct Walk {
+    pub(crate) working: WorkingClip,
+    pub(crate) poses: Vec<Pose>,
+}
+
+impl Walk {
+    pub(crate) fn skeleton(&self) -> &Skeleton {
+        &self.working.clip.skeleton
+    }
+
+    pub(crate) fn stretch(&self, (first, last): (usize, usize)) -> Stretch<'_> {
+        Stretch {
+            walk: self,
+            times: (first..=last).map(|frame| frame as f64 * WORKING_STEP).collect(),
+            rest: &self.poses[first..=last],
+            contacts: &self.working.contacts[first..=last],
+        }
+    }
+}
+
+/// Successive frames of a clip.
+pub(crate) struct Stretch<'a> {
+    pub(crate) walk: &'a Walk,
+    pub(crate) times: Vec<f64>,
+    pub(crate) rest: &'a [Pose],
+    pub(crate) contacts: &'a [FootContacts],
+}
+
+pub(crate) fn load(folder: &Path, file: &str) -> Result<Walk, Failed> {
+    let path = folder.join(file);
+    let read = read_file(&path, None, &ReadOptions::default())?;
+    let is_wrong = file.contains(WRONG_RATE) && (read.header_fps - 24.0).abs() < 0.01;
+    let options = ReadOptions { fps: is_wrong.then_some(RIGHT_RATE), ..ReadOptions::default() };
+    let clip = if is_wrong { read_file(&path, None, &options)?.clip } else { read.clip };
+    let (first, last) = clip.usable;
+    let working = WorkingClip::new(file, Arc::new(clip), first, last);
+    let poses = (0..working.frame_count()).map(|frame| working.pose(frame as f64)).collect();
+    Ok(Walk { working, poses })
+}
+
+/// A path longer than this times its chord has no direction as a whole: laid onto an arc as narrow as the chord asks for,
+/// steps beside the chord would become several times as long as legs are.
+const WINDING: f64 = 1.5;
+
+/// Stretches into which such a path is cut are at most so much longer than their chords.
+const STRAIGHT: f64 = 1.2;
+
+/// Shorter stretches are no walk, metres.
+const SHORTEST: f64 = 1.0;
+
+/// The whole clip, or where it winds the stretches of it that have a direction: first and last frames.
+pub(crate) fn stretches(poses: &[Pose]) -> Vec<(usize, usize)> {
+    let lengths = lengths(poses);
+    let chord = |first: usize, last: usize| (plan_of(poses[last].root) - plan_of(poses[first].root)).norm();
+    let last = poses.len() - 1;
+    if lengths[last] <= WINDING * chord(0, last) {
+        return vec![(0, last)];
+    }
+    let mut found = Vec::new();
+    let mut first = 0;
+    while first < last {
+        let far = |end: &usize| lengths[*end] - lengths[first] > SHORTEST;
+        let straight = |end: &usize| lengths[*end] - lengths[first] <= STRAIGHT * chord(first, *end);
+        let turned = |end: &usize| far(end) && lengths[*end] - lengths[first] > WINDING * chord(first, *end);
+        let until = (first..=last).find(turned).unwrap_or(last);
+        let end = (first..=until).rev().find(|end| far(end) && straight(end));
+        found.extend(end.map(|end| (first, end)));
+        first = end.unwrap_or(until).max(first + 1);
+    }
+    found
+}
+
+/// Length of the root's path up to each frame, metres.
+fn lengths(poses: &[Pose]) -> Vec<f64> {
+    let mut lengths = vec![0.0];
+    for pair in poses.windows(2) {
+        lengths.push(lengths[lengths.len() - 1] + (plan_of(pair[1].root) - plan_of(pair[0].root)).norm());
+    }
+    lengths
+}

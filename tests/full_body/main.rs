@@ -1,0 +1,198 @@
+//! Feet of captured walks, runs and turns stand as they must after their paths are bent and stretched, and stay as they
+//! are where nothing is edited.
+//!
+//! Looks in `$COTILLION_MOCAP`, else in `../shared/mocap` beside the checkout; where neither exists every test is ignored,
+//! by name. With `$COTILLION_TABLE` set, every measure is printed.
+
+mod bend;
+mod clips;
+mod measure;
+
+use std::f64::consts::FRAC_PI_2;
+use std::path::{Path, PathBuf};
+
+use bend::{Bend, bent};
+use clips::{CLIPS, CYCLES, Stretch, load, stretches};
+use cotillion::full_body::{BodyInput, PlantMode, Refined, refine};
+use cotillion::skeleton::Pose;
+use libtest_mimic::{Arguments, Failed, Trial};
+use measure::{below_ground, bone_change, knee_acceleration, largest_change, slide};
+
+/// Bent by 90°, stretched by ±30 %, and both.
+const EDITS: [Bend; 5] = [
+    Bend { turn: FRAC_PI_2, stretch: 1.0 },
+    Bend { turn: 0.0, stretch: 1.3 },
+    Bend { turn: 0.0, stretch: 0.7 },
+    Bend { turn: FRAC_PI_2, stretch: 1.3 },
+    Bend { turn: FRAC_PI_2, stretch: 0.7 },
+];
+
+/// Asked for: a millimetre, of drift over a contact (beyond the captured one, or at all) and of any shortfall.
+const DRIFT: f64 = 1e-3;
+/// Rounding of a bone's length, metres.
+const BONES: f64 = 1e-9;
+/// Knees may be jerked so many times harder than in the capture.
+const KNEES: f64 = 1.5;
+/// Rounding of a mean slide, m/s.
+const SLIDE: f64 = 1e-6;
+/// Joint angles of an edit that changes nothing stay within this, radians.
+const UNTOUCHED: f64 = 1e-6;
+/// Largest change of a joint where feet are pinned and nothing else is edited, radians: 5°.
+const PINNED_CHANGE: f64 = 5.0 * std::f64::consts::PI / 180.0;
+/// Feet stay above the lowest captured place but for this, metres: captured feet are no more exact.
+const GROUND: f64 = 5e-3;
+
+fn main() {
+    let arguments = Arguments::from_args();
+    let folder = mocap_folder();
+    let mut trials = Vec::new();
+    let mut push = |name: String, run: fn(&Path, &str) -> Result<(), Failed>, file: &'static str| {
+        let folder = folder.clone();
+        let is_missing = folder.is_none();
+        let trial = Trial::test(name, move || match folder {
+            Some(folder) => run(&folder, file),
+            None => Err("no captures found".into()),
+        });
+        trials.push(trial.with_ignored_flag(is_missing));
+    };
+    for file in CLIPS.into_iter().chain(CYCLES) {
+        push(format!("{file} keeps its plants as captured when bent and stretched"), stands_as_captured, file);
+        push(format!("{file} stands still where pinned when bent and stretched"), stands_pinned, file);
+        push(format!("{file} stays untouched where nothing is edited"), stays_untouched, file);
+    }
+    for file in CLIPS.into_iter().filter(|file| file.contains("cmu_16") && file.contains("walk")) {
+        push(format!("{file} hardly changes when pinned"), hardly_changes, file);
+    }
+    for file in CLIPS.into_iter().filter(|file| file.contains("snu_")) {
+        push(format!("{file} hardly changes when pinned"), hardly_changes, file);
+    }
+    libtest_mimic::run(&arguments, trials).exit();
+}
+
+fn mocap_folder() -> Option<PathBuf> {
+    let beside = Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/mocap");
+    let set = std::env::var_os("COTILLION_MOCAP").map(PathBuf::from);
+    [set, Some(beside)].into_iter().flatten().find(|folder| folder.is_dir())
+}
+
+fn refined(stretch: &Stretch, moved: &[Pose], mode: PlantMode) -> Refined {
+    let input = BodyInput {
+        times: stretch.times.clone(),
+        rest: stretch.rest.to_vec(),
+        moved: moved.to_vec(),
+        contacts: stretch.contacts.to_vec(),
+        effectors: Vec::new(),
+    };
+    refine(stretch.walk.skeleton(), &input, mode)
+}
+
+fn stands_as_captured(folder: &Path, file: &str) -> Result<(), Failed> {
+    stands(folder, file, PlantMode::AsCaptured)
+}
+
+fn stands_pinned(folder: &Path, file: &str) -> Result<(), Failed> {
+    stands(folder, file, PlantMode::Pinned)
+}
+
+fn stands(folder: &Path, file: &str, mode: PlantMode) -> Result<(), Failed> {
+    let walk = load(folder, file)?;
+    let times = walk.stretch((0, walk.poses.len() - 1)).times;
+    let captured_knees = knee_acceleration(walk.skeleton(), &times, &walk.poses);
+    let mut faults = Vec::new();
+    for frames in stretches(&walk.poses) {
+        let stretch = walk.stretch(frames);
+        for edit in EDITS {
+            let moved = bent(stretch.rest, edit);
+            let result = refined(&stretch, &moved, mode);
+            let found = Measures::of(&stretch, &result, mode, captured_knees);
+            if std::env::var_os("COTILLION_TABLE").is_some() {
+                eprintln!("{file} {mode:?} {frames:?} {} {found:?}", edit.name());
+            }
+            faults.extend(found.faults().into_iter().map(|fault| format!("{frames:?} {}: {fault}", edit.name())));
+        }
+    }
+    if faults.is_empty() { Ok(()) } else { Err(faults.join("\n").into()) }
+}
+
+/// What must hold of a result.
+#[derive(Debug)]
+struct Measures {
+    /// Largest drift of a plant beyond what is allowed to it, metres.
+    drift: f64,
+    /// Mean slide beyond the capture's, m/s.
+    slide: f64,
+    /// Metres.
+    bones: f64,
+    /// Knee acceleration by the capture's.
+    knees: f64,
+    /// Metres.
+    below_ground: f64,
+    /// Largest of the report, metres.
+    shortfall: f64,
+    /// How far the body came down, metres.
+    drop: f64,
+}
+
+impl Measures {
+    fn of(stretch: &Stretch, result: &Refined, mode: PlantMode, captured_knees: f64) -> Self {
+        let skeleton = stretch.walk.skeleton();
+        let allowed = |captured: f64| if mode == PlantMode::Pinned { 0.0 } else { captured };
+        let drifts = result.report.plants.iter().map(|plant| plant.drift - allowed(plant.captured_drift));
+        let slide = |poses: &[Pose]| slide(skeleton, poses, stretch.contacts);
+        Self {
+            drift: drifts.fold(0.0, f64::max),
+            slide: slide(&result.poses) - slide(stretch.rest),
+            bones: bone_change(skeleton, stretch.rest, &result.poses),
+            knees: knee_acceleration(skeleton, &stretch.times, &result.poses) / captured_knees,
+            below_ground: below_ground(skeleton, stretch.rest, &result.poses),
+            shortfall: result.report.shortfalls.iter().map(|miss| miss.metres).fold(0.0, f64::max),
+            drop: result.report.root_drop,
+        }
+    }
+
+    fn faults(&self) -> Vec<String> {
+        let checks = [
+            ("drift", self.drift, DRIFT),
+            ("slide", self.slide, SLIDE),
+            ("bones", self.bones, BONES),
+            ("knees", self.knees, KNEES),
+            ("below the ground", self.below_ground, GROUND),
+            ("shortfall", self.shortfall, DRIFT),
+        ];
+        let over = checks.into_iter().filter(|(_, found, most)| found > most);
+        over.map(|(name, found, most)| format!("{name} {found:.5} above {most}")).collect()
+    }
+}
+
+fn stays_untouched(folder: &Path, file: &str) -> Result<(), Failed> {
+    let walk = load(folder, file)?;
+    let stretch = walk.stretch((0, walk.poses.len() - 1));
+    let result = refined(&stretch, stretch.rest, PlantMode::AsCaptured);
+    if result.poses != stretch.rest {
+        return Err("some bits change".into());
+    }
+    // A place and a turn change nothing either, but for rounding.
+    let placed = bend::placed(stretch.rest, 0.7);
+    let result = refined(&stretch, &placed, PlantMode::AsCaptured);
+    let change = largest_change(&placed, &result.poses);
+    if change < UNTOUCHED { Ok(()) } else { Err(format!("placed and turned, a joint turns by {change:e}").into()) }
+}
+
+fn hardly_changes(folder: &Path, file: &str) -> Result<(), Failed> {
+    let walk = load(folder, file)?;
+    let stretch = walk.stretch((0, walk.poses.len() - 1));
+    let result = refined(&stretch, stretch.rest, PlantMode::Pinned);
+    let change = largest_change(stretch.rest, &result.poses);
+    let reported = result.report.largest_change.map_or(0.0, |change| change.angle);
+    if std::env::var_os("COTILLION_TABLE").is_some() {
+        let count = |contacts: &[cotillion::clip::contacts::FootContacts]| -> usize {
+            contacts.iter().map(|contact| [contact.left_heel, contact.left_toe, contact.right_heel, contact.right_toe].iter().filter(|bears| **bears).count()).sum()
+        };
+        let share = count(&result.planted) as f64 / count(stretch.contacts) as f64;
+        eprintln!("{file} pinned: {:.2} degrees, {share:.2} of the contacts held", change.to_degrees());
+    }
+    if (change - reported).abs() < 1e-9 && change < PINNED_CHANGE {
+        return Ok(());
+    }
+    Err(format!("{:.2}°, reported {:.2}°", change.to_degrees(), reported.to_degrees()).into())
+}

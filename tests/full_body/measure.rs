@@ -1,0 +1,64 @@
+//! What is measured of a body in motion.
+
+use cotillion::clip::Clip;
+use cotillion::clip::contacts::{FootContacts, FootPoint, foot_point};
+use cotillion::full_body::chain::legs;
+use cotillion::full_body::smooth::largest_acceleration;
+use cotillion::geometry::log;
+use cotillion::metrics::foot_slide;
+use cotillion::skeleton::{Pose, Skeleton};
+use std::sync::Arc;
+
+/// Largest angular acceleration of a knee, rad/s², by second differences.
+pub(crate) fn knee_acceleration(skeleton: &Skeleton, times: &[f64], poses: &[Pose]) -> f64 {
+    let knees = legs(skeleton).into_iter().flatten().map(|leg| {
+        let angles: Vec<f64> = poses.iter().map(|pose| leg.place(skeleton, pose).limb.bend()).collect();
+        largest_acceleration(times, &angles)
+    });
+    knees.fold(0.0, f64::max)
+}
+
+/// Mean horizontal speed of points of the feet in contact, m/s.
+pub(crate) fn slide(skeleton: &Skeleton, poses: &[Pose], contacts: &[FootContacts]) -> f64 {
+    let clip = Clip::from_poses("", Arc::new(skeleton.clone()), 30.0, poses);
+    foot_slide(&clip, contacts).unwrap_or(0.0)
+}
+
+/// Largest change of a joint's angle, radians.
+pub(crate) fn largest_change(before: &[Pose], after: &[Pose]) -> f64 {
+    let angles = before.iter().zip(after).flat_map(|(before, after)| {
+        before.rotations.iter().zip(&after.rotations).map(|(a, b)| log(a.inverse() * *b).length())
+    });
+    angles.fold(0.0, f64::max)
+}
+
+/// Largest difference of the length of a bone, metres, and whether all numbers are finite.
+pub(crate) fn bone_change(skeleton: &Skeleton, before: &[Pose], after: &[Pose]) -> f64 {
+    let mut largest = 0.0_f64;
+    for (before, after) in before.iter().zip(after) {
+        let (before, after) = (skeleton.forward_kinematics(before), skeleton.forward_kinematics(after));
+        for (index, joint) in skeleton.joints.iter().enumerate() {
+            let Some(parent) = joint.parent else { continue };
+            let length = |frames: &[cotillion::skeleton::JointFrame]| {
+                frames[index].position.distance(frames[parent.as_usize()].position)
+            };
+            let change = (length(&before) - length(&after)).abs();
+            largest = largest.max(if change.is_finite() { change } else { f64::INFINITY });
+        }
+    }
+    largest
+}
+
+/// How far the lowest point of a foot comes below the lowest one of the capture, metres.
+pub(crate) fn below_ground(skeleton: &Skeleton, before: &[Pose], after: &[Pose]) -> f64 {
+    let lowest = |poses: &[Pose]| {
+        let points: Vec<_> =
+            FootPoint::ALL.into_iter().filter_map(|point| foot_point(skeleton, point)).collect();
+        let heights = poses.iter().flat_map(|pose| {
+            let frames = skeleton.forward_kinematics(pose);
+            points.iter().map(|point| point.place(&frames).y).collect::<Vec<_>>()
+        });
+        heights.fold(f64::INFINITY, f64::min)
+    };
+    (lowest(before) - lowest(after)).max(0.0)
+}
