@@ -45,6 +45,7 @@ pub mod edit;
 pub mod resample;
 pub mod reach;
 pub mod full_body;
+pub mod embody;
 pub mod metrics;
 pub mod residual;
 pub mod export;

@@ -116,6 +116,12 @@ pub fn shown_contacts(
     (0..count).map(|k| nearest(&known, shown(k))).collect()
 }
 
+/// Contacts of the feet at fractional frames of a track: those of the nearer working frame.
+pub fn shown_contacts_at(track: &Track, frames: &[f64]) -> Vec<FootContacts> {
+    let known = track.collect(|clip, frame, _| clip.contacts[frame]);
+    frames.iter().map(|frame| nearest(&known, *frame)).collect()
+}
+
 fn nearest(contacts: &[FootContacts], frame: f64) -> FootContacts {
     contacts[floor_index(frame.round()).min(contacts.len() - 1)]
 }

@@ -5,6 +5,7 @@ use std::time::Instant;
 
 use cotillion::edit::error::Named;
 use cotillion::edit::{Backend, Edit, EditError, Editor};
+use cotillion::embody::embody;
 use cotillion::export::files::{OutputFile, write_all};
 use cotillion::export::picture::to_png;
 use cotillion::export::report::{Report, Timing, report};
@@ -30,12 +31,6 @@ pub(crate) fn run(args: &RunArgs) -> Result<(), Failure> {
             },
         )?;
     bar.suspend(|| output.warnings(&warnings, &text));
-    let unmet = not_met_yet(&scene, &args.scene, &text);
-    if !unmet.is_empty() {
-        bar.finish_and_clear();
-        output.diagnostics(&unmet, &text);
-        return Err(Failure::BadInput);
-    }
     bar.inc(1);
     let solved = solve(scene, args.backend.into(), &mut timing, &bar).map_err(|error| {
         bar.finish_and_clear();
@@ -43,15 +38,20 @@ pub(crate) fn run(args: &RunArgs) -> Result<(), Failure> {
         Failure::Unsatisfiable
     })?;
     let mut files = Vec::new();
+    let mut full_body = 0.0;
     let sampled = timed(&mut timing.export, || {
         bar.set_message("sampling");
         let (scene, edit) = (solved.scene(), solved.edit());
-        let resampled = resample(scene, edit)?;
+        let mut resampled = resample(scene, edit)?;
         bar.inc(1);
+        bar.set_message("feet and hands");
+        let embodied = timed(&mut full_body, || embody(scene, edit, &mut resampled));
         bar.set_message("writing");
         files = scene_files(scene, edit, &resampled, &bvh);
-        Ok(report(scene, edit, &resampled))
+        Ok(report(&embodied, edit, &resampled))
     });
+    timing.full_body = full_body;
+    timing.export -= full_body;
     let mut told = sampled.map_err(|error: TooLong| {
         bar.finish_and_clear();
         let help = Some("give times nearer to 0 and to each other".to_owned());
@@ -125,21 +125,6 @@ fn png(files: &[OutputFile], width: u32, output: &Output) -> Result<OutputFile, 
             Err(Failure::BadInput)
         }
     }
-}
-
-/// What a sound scene asks for and no stage meets yet; empty once the full body is a stage of `run`.
-fn not_met_yet(scene: &Scene, path: &Path, text: &str) -> Vec<Diagnostic> {
-    let unmet = scene.end_effectors.iter().map(|effector| Diagnostic {
-        file: path.display().to_string(),
-        line: effector.line as usize,
-        column: 1,
-        span: line_span(text, effector.line as usize),
-        field: None,
-        message: format!("\"{}\": [[end_effector]] cannot be met by run yet", effector.name),
-        help: Some("remove it, or only check the scene".to_owned()),
-        severity: Severity::Fault,
-    });
-    unmet.collect()
 }
 
 /// What to tell of a scene without an answer: at the last constraint it concerns what is wrong and the remedy, then the

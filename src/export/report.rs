@@ -7,6 +7,7 @@ use crate::constraint::Strength;
 use crate::edit::energy::{Energy, length};
 use crate::edit::{Edit, EditedCharacter, Moved};
 use crate::effector::EndEffector;
+use crate::embody::Embodied;
 use crate::geometry::{c64, wrap};
 use crate::index::floor_index;
 use crate::metrics::foot_slide;
@@ -186,13 +187,14 @@ pub struct Timing {
 }
 
 /// Reports on an edit; files and times are filled in where files are written and clocks are read.
-pub fn report(scene: &Scene, edit: &Edit, resampled: &Resampled) -> Report {
+pub fn report(embodied: &Embodied<'_>, edit: &Edit, resampled: &Resampled) -> Report {
+    let scene = embodied.moved.scene;
     let characters = scene.characters.iter().zip(&edit.characters).zip(&resampled.clips);
     let constraints = scene.constraints.iter().zip(residuals(scene, edit));
     let clock = (scene.fps, resampled.start_time);
     let moved = Moved { scene, characters: &edit.characters };
     let objects = object_motions(scene, &moved);
-    let reached = effector_residuals(&Stage { scene, performance: &moved, objects: &objects });
+    let reached = effector_residuals(&Stage { scene, performance: embodied, objects: &objects });
     let effectors = scene.end_effectors.iter().zip(reached);
     Report {
         scene: scene.title.clone(),

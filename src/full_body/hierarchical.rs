@@ -39,9 +39,8 @@ pub fn level<const N: usize>(times: &[f64], samples: &[Sample<N>], spacing: f64)
 
 /// Brings the ends on `limb` to the targets of `effectors` (all of this limb) in `poses`. Cost: linear in samples.
 pub fn bring(skeleton: &Skeleton, times: &[f64], limb: &Chain, effectors: &[&Effector], poses: &mut [Pose]) {
-    let constrained: Vec<usize> = (0..times.len())
-        .filter(|&at| effectors.iter().any(|effector| effector.at(at).is_some()))
-        .collect();
+    let constrained: Vec<usize> =
+        (0..times.len()).filter(|&at| effectors.iter().any(|effector| effector.at(at).is_some())).collect();
     if constrained.is_empty() {
         return;
     }
@@ -52,14 +51,15 @@ pub fn bring(skeleton: &Skeleton, times: &[f64], limb: &Chain, effectors: &[&Eff
         if constrained.iter().all(|&at| task.distance(&poses[at], at) < CLOSE) {
             break;
         }
-        let samples: Vec<Sample<9>> = constrained
-            .iter()
-            .map(|&at| sample(times[at], &task.displacement(&poses[at], at)))
-            .collect();
+        let samples: Vec<Sample<9>> =
+            constrained.iter().map(|&at| sample(times[at], &task.displacement(&poses[at], at))).collect();
         let spline = level(times, &samples, spacing);
         for (pose, time) in poses.iter_mut().zip(times) {
             let value = spline.at(*time);
-            task.apply(pose, &std::array::from_fn(|joint| DVec3::from_slice(&value[3 * joint..3 * joint + 3])));
+            task.apply(
+                pose,
+                &std::array::from_fn(|joint| DVec3::from_slice(&value[3 * joint..3 * joint + 3])),
+            );
         }
     }
     let mut exact = vec![[DVec3::ZERO; 3]; times.len()];

@@ -120,7 +120,12 @@ fn bind_feet(skeleton: &Skeleton, input: &BodyInput, legs: &mut [Leg]) {
 }
 
 /// Gives joints that no limb brings anywhere their rotations.
-fn orient_others(skeleton: &Skeleton, input: &BodyInput, (limbs, legs): (&[Chain], &[Leg]), poses: &mut [Pose]) {
+fn orient_others(
+    skeleton: &Skeleton,
+    input: &BodyInput,
+    (limbs, legs): (&[Chain], &[Leg]),
+    poses: &mut [Pose],
+) {
     for end in &input.effectors {
         let by_leg = legs.iter().any(|leg| end.limb(skeleton, &[leg.chain]).is_some());
         if by_leg || end.limb(skeleton, limbs).is_some() {

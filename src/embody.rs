@@ -1,0 +1,174 @@
+//! The full body of everybody in a scene: poses on the clock and at constrained moments, their feet planted, their hands
+//! where they must be.
+//!
+//! Characters are corrected one by one, in parallel: what hands reach are places of the motion before this stage (a box
+//! between the hands that carry it, the middle between two hands that meet), so that nobody waits for anybody.
+
+use std::sync::Arc;
+
+use rayon::prelude::*;
+
+use crate::clip::Clip;
+use crate::clip::contacts::FootContacts;
+use crate::edit::{Edit, Moved};
+use crate::full_body::{BodyInput, BodyReport, Effector, PlantMode, Target, refine};
+use crate::geometry::slerp;
+use crate::index::CharacterId;
+use crate::object_motion::{ObjectMotion, Performance, object_motions, skeleton_of};
+use crate::reach::{JointTarget, Stage, carry_targets, constrained_times, effector_targets};
+use crate::resample::{Resampled, shown_contacts_at};
+use crate::scene::{Plants, Scene};
+use crate::skeleton::Pose;
+
+/// Moments this near to an output frame are at it, seconds.
+const AT_FRAME: f64 = 1e-7;
+
+/// One character's samples and what became of them.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Body {
+    /// Scene times: output frames, and constrained moments between them; rising, seconds.
+    pub times: Vec<f64>,
+    /// Before this stage.
+    pub moved: Vec<Pose>,
+    /// After it.
+    pub poses: Vec<Pose>,
+    /// Which points of the feet are planted.
+    pub planted: Vec<FootContacts>,
+    /// What was done, and what could not be.
+    pub report: BodyReport,
+}
+
+/// Everybody after this stage.
+#[derive(Clone)]
+pub struct Embodied<'a> {
+    /// Before it.
+    pub moved: Moved<'a>,
+    /// As the scene's characters; empty where the stage is off.
+    pub bodies: Vec<Body>,
+}
+
+/// Corrects everybody, where the scene wants it. `resampled`: the edit on the clock, whose clips are replaced.
+/// Cost: linear in output frames, joints and constrained moments.
+pub fn embody<'a>(scene: &'a Scene, edit: &'a Edit, resampled: &mut Resampled) -> Embodied<'a> {
+    let moved = Moved { scene, characters: &edit.characters };
+    if !scene.full_body.enabled {
+        return Embodied { moved, bodies: Vec::new() };
+    }
+    let objects = object_motions(scene, &moved);
+    let start = resampled.start_time;
+    let bodies: Vec<Body> = (0..scene.characters.len())
+        .into_par_iter()
+        .map(|who| {
+            let clock = (start, resampled.clips[who].frame_count());
+            body(&moved, &objects, CharacterId::from_usize(who), clock)
+        })
+        .collect();
+    for (clip, body) in resampled.clips.iter_mut().zip(&bodies) {
+        let frames = (0..clip.frame_count()).map(|frame| {
+            let time = start + frame as f64 / scene.fps;
+            body.poses[body.nearest(time)].clone()
+        });
+        let poses: Vec<Pose> = frames.collect();
+        *clip = Clip::from_poses(&clip.name, Arc::clone(&clip.skeleton), clip.fps, &poses);
+    }
+    Embodied { moved, bodies }
+}
+
+/// One character; `clock`: scene time of output frame 0, and how many the character has.
+fn body(moved: &Moved<'_>, objects: &[ObjectMotion], who: CharacterId, clock: (f64, usize)) -> Body {
+    let scene = moved.scene;
+    let times = sample_times(moved, who, clock);
+    let track = &scene.characters[who.as_usize()].track;
+    let frames: Vec<f64> = times.iter().map(|time| moved.frame(who, *time)).collect();
+    let stage = Stage { scene, performance: moved, objects };
+    let mut targets = carry_targets(&stage, who, &times);
+    targets.extend(effector_targets(&stage, who, &times));
+    let input = BodyInput {
+        rest: frames.iter().map(|frame| track.pose(*frame)).collect(),
+        moved: frames.iter().map(|frame| moved.pose(who, *frame)).collect(),
+        contacts: shown_contacts_at(track, &frames),
+        effectors: targets.iter().map(effector).collect(),
+        times,
+    };
+    let mode = match scene.full_body.plants {
+        Plants::AsCaptured => PlantMode::AsCaptured,
+        Plants::Pinned => PlantMode::Pinned,
+    };
+    let refined = refine(skeleton_of(scene, who), &input, mode);
+    let (times, moved) = (input.times, input.moved);
+    Body { times, moved, poses: refined.poses, planted: refined.planted, report: refined.report }
+}
+
+/// Output frames, and constrained moments between them.
+fn sample_times(moved: &Moved<'_>, who: CharacterId, (start, count): (f64, usize)) -> Vec<f64> {
+    let fps = moved.scene.fps;
+    let frame_time = |frame: usize| start + frame as f64 / fps;
+    let mut times: Vec<f64> = (0..count).map(frame_time).collect();
+    let end = frame_time(count - 1);
+    let is_between = |time: &f64| {
+        let ticks = (time - start) * fps;
+        (start..=end + 1.0 / fps).contains(time) && (ticks - ticks.round()).abs() > AT_FRAME * fps
+    };
+    times.extend(constrained_times(moved.scene, moved, who).into_iter().filter(is_between));
+    times.sort_by(f64::total_cmp);
+    times
+}
+
+fn effector(target: &JointTarget) -> Effector {
+    let rotation = |index: usize| target.rotations.get(index).copied();
+    let positions = target.positions.iter().enumerate();
+    Effector {
+        joint: target.joint,
+        first: target.samples.start,
+        targets: positions
+            .map(|(index, position)| Target { position: *position, rotation: rotation(index) })
+            .collect(),
+    }
+}
+
+impl Body {
+    /// Sample nearest to a scene time.
+    fn nearest(&self, time: f64) -> usize {
+        let after = self.times.partition_point(|known| *known < time).min(self.times.len() - 1);
+        let before = after.saturating_sub(1);
+        if time - self.times[before] < self.times[after] - time { before } else { after }
+    }
+
+    /// `pose`, which is the character's before this stage at a scene time, with what the stage did around then.
+    fn corrected(&self, mut pose: Pose, time: f64) -> Pose {
+        let nearest = self.nearest(time);
+        if (self.times[nearest] - time).abs() < AT_FRAME {
+            return self.poses[nearest].clone();
+        }
+        let after = self.times.partition_point(|known| *known < time).clamp(1, self.times.len() - 1);
+        let before = after - 1;
+        let share = ((time - self.times[before]) / (self.times[after] - self.times[before])).clamp(0.0, 1.0);
+        let shift = |sample: usize| self.poses[sample].root - self.moved[sample].root;
+        pose.root += shift(before).lerp(shift(after), share);
+        for (joint, rotation) in pose.rotations.iter_mut().enumerate() {
+            let turn = |sample: usize| {
+                self.moved[sample].rotations[joint].inverse() * self.poses[sample].rotations[joint]
+            };
+            *rotation = (*rotation * slerp(turn(before), turn(after), share)).normalize();
+        }
+        pose
+    }
+}
+
+impl Performance for Embodied<'_> {
+    fn time(&self, who: CharacterId, frame: f64) -> f64 {
+        self.moved.time(who, frame)
+    }
+
+    fn frame(&self, who: CharacterId, seconds: f64) -> f64 {
+        self.moved.frame(who, seconds)
+    }
+
+    fn pose(&self, who: CharacterId, frame: f64) -> Pose {
+        let pose = self.moved.pose(who, frame);
+        match self.bodies.get(who.as_usize()) {
+            Some(body) if body.times.len() > 1 => body.corrected(pose, self.moved.time(who, frame)),
+            _ => pose,
+        }
+    }
+}
