@@ -67,6 +67,9 @@ struct RunArgs {
     /// Also write the picture as PNG.
     #[arg(long)]
     png: bool,
+    /// Also draw poses of every character side by side, from the side and from above.
+    #[arg(long)]
+    strip: bool,
     /// Width of the PNG, pixels.
     #[arg(long, value_name = "PIXELS", default_value_t = 1600, value_parser = clap::value_parser!(u32).range(100..=10_000))]
     png_width: u32,

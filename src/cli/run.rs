@@ -48,6 +48,9 @@ pub(crate) fn run(args: &RunArgs) -> Result<(), Failure> {
         let embodied = timed(&mut full_body, || embody(scene, edit, &mut resampled));
         bar.set_message("writing");
         files = scene_files(scene, edit, &resampled, &bvh);
+        if args.strip {
+            files.extend(strip_files(scene, edit, &resampled));
+        }
         Ok(report(&embodied, edit, &resampled))
     });
     timing.full_body = full_body;
@@ -60,8 +63,8 @@ pub(crate) fn run(args: &RunArgs) -> Result<(), Failure> {
         Failure::Unsatisfiable
     })?;
     if args.png {
-        let drawn = timed(&mut timing.export, || png(&files, args.png_width, &output))?;
-        files.push(drawn);
+        let drawn = timed(&mut timing.export, || pngs(&files, args.png_width, &output))?;
+        files.extend(drawn);
     }
     timing.export += write(args, &mut told, files, timing).map_err(|error| {
         bar.finish_and_clear();
@@ -114,17 +117,20 @@ fn timed<T>(milliseconds: &mut f64, work: impl FnOnce() -> T) -> T {
     result
 }
 
-fn png(files: &[OutputFile], width: u32, output: &Output) -> Result<OutputFile, Failure> {
-    let svg = files.iter().find(|file| file.name == "scene.svg").map_or(&[][..], |file| &file.bytes);
-    match to_png(&String::from_utf8_lossy(svg), width) {
-        Ok(bytes) => Ok(OutputFile { name: "scene.png".to_owned(), bytes }),
-        Err(error) => {
-            let help = Some("run without --png: the SVG holds the same picture".to_owned());
-            let (file, message) = ("scene.png".to_owned(), error.to_string());
-            output.errors(&[PlainError { file, line: 0, column: 0, message, help }]);
-            Err(Failure::BadInput)
-        }
-    }
+/// Every SVG among `files` as PNG.
+fn pngs(files: &[OutputFile], width: u32, output: &Output) -> Result<Vec<OutputFile>, Failure> {
+    let svgs = files.iter().filter_map(|file| Some((file.name.strip_suffix(".svg")?, &file.bytes)));
+    let drawn = svgs.map(|(stem, svg)| {
+        let name = format!("{stem}.png");
+        to_png(&String::from_utf8_lossy(svg), width)
+            .map_err(|error| (name.clone(), error))
+            .map(|bytes| OutputFile { name, bytes })
+    });
+    drawn.collect::<Result<_, _>>().map_err(|(file, error)| {
+        let help = Some("run without --png: the SVG holds the same picture".to_owned());
+        output.errors(&[PlainError { file, line: 0, column: 0, message: error.to_string(), help }]);
+        Failure::BadInput
+    })
 }
 
 /// What to tell of a scene without an answer: at the last constraint it concerns what is wrong and the remedy, then the

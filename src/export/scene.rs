@@ -7,9 +7,11 @@ use crate::edit::{Edit, EditedCharacter, Moved};
 use crate::export::bvh::{BvhOptions, to_bvh_with};
 use crate::export::files::{OutputFile, file_names};
 use crate::export::gltf::{GlbObject, GlbScene, Performer, to_glb};
-use crate::export::picture::{Actor, Handle, Picture, PictureObject, Tie, to_svg};
+use crate::export::picture::{
+    Actor, Handle, Picture, PictureObject, StripOptions, StripView, Tie, strip_svg, to_svg,
+};
 use crate::geometry::c64;
-use crate::index::floor_index;
+use crate::index::{SourceFrame, floor_index};
 use crate::object::ObjectPose;
 use crate::object_motion::{ObjectMotion, Owner, Performance, object_motions};
 use crate::path;
@@ -34,6 +36,29 @@ pub fn scene_files(scene: &Scene, edit: &Edit, resampled: &Resampled, bvh: &BvhO
     let svg = picture_svg(scene, edit);
     files.push(OutputFile { name: "scene.svg".to_owned(), bytes: svg.into_bytes() });
     files
+}
+
+/// Poses of every character side by side, seen from the side and from above, the moments that the scene names among them.
+pub fn strip_files(scene: &Scene, edit: &Edit, resampled: &Resampled) -> Vec<OutputFile> {
+    let names: Vec<&str> = scene.characters.iter().map(|character| character.name.as_str()).collect();
+    let mut clips = resampled.clips.clone();
+    for moment in scene.moments() {
+        let who = moment.character.as_usize();
+        let time = time_of(&edit.characters[who].times, scene.frame_of(moment));
+        let frame = floor_index(((time - resampled.start_time) * scene.fps).max(0.0) + 0.5);
+        let shown = frame.min(clips[who].frame_count() - 1);
+        let name = moment.name.rsplit(['/', ':']).next().unwrap_or(&moment.name);
+        clips[who].events.insert(name.to_owned(), SourceFrame::from_usize(shown));
+    }
+    let views = [("side", StripView::Side), ("above", StripView::Above)];
+    let strips = views.into_iter().flat_map(|(word, view)| {
+        let options = StripOptions { view, ..StripOptions::default() };
+        let svg = move |clip: &Clip| strip_svg(clip, &options);
+        file_names(&names).into_iter().zip(clips.iter().map(svg).collect::<Vec<_>>()).map(
+            move |(name, svg)| OutputFile { name: format!("{name}.{word}.svg"), bytes: svg.into_bytes() },
+        )
+    });
+    strips.collect()
 }
 
 fn glb(scene: &Scene, edit: &Edit, resampled: &Resampled) -> Vec<u8> {
