@@ -7,6 +7,7 @@ use clap::Args;
 use cotillion::clip::builtin;
 use cotillion::clip::file::{FileError, read_file};
 use cotillion::clip::read::{ReadClip, ReadOptions, Up};
+use cotillion::index::SourceFrame;
 use cotillion::skeleton::JointRole;
 
 use super::output::PlainError;
@@ -18,10 +19,10 @@ pub(crate) struct ReadArgs {
     #[arg(long, value_name = "FILE.asf")]
     skeleton: Option<PathBuf>,
     /// Frames per second, where the file is silent or wrong.
-    #[arg(long)]
+    #[arg(long, allow_negative_numbers = true)]
     fps: Option<f64>,
     /// Unit of length: m, cm, inch, or metres per file unit.
-    #[arg(long)]
+    #[arg(long, allow_negative_numbers = true)]
     unit: Option<String>,
     /// Axis that points up: y or z.
     #[arg(long)]
@@ -29,6 +30,9 @@ pub(crate) struct ReadArgs {
     /// Joint of a role, over what its name tells, as in left_hand=LeftWrist; may be repeated.
     #[arg(long, value_name = "ROLE=JOINT")]
     role: Vec<String>,
+    /// First and last frame to use, as in 12..116; left out, all but a rest pose at frame 0.
+    #[arg(long, value_name = "FIRST..LAST")]
+    frames: Option<String>,
     /// Refuse what would only be warned of.
     #[arg(long)]
     strict: bool,
@@ -40,8 +44,9 @@ pub(crate) struct ReadArgs {
 impl ReadArgs {
     /// What is known better than the files.
     pub(crate) fn options(&self) -> Result<ReadOptions, PlainError> {
-        if let Some(fps) = self.fps.filter(|fps| !is_positive(*fps)) {
-            return Err(wrong_option("--fps", &fps.to_string(), "a positive number of frames per second"));
+        if let Some(fps) = self.fps.filter(|fps| !is_positive(*fps) || *fps > FASTEST) {
+            let expected = format!("a number of frames per second above 0 and at most {FASTEST}");
+            return Err(wrong_option("--fps", &fps.to_string(), &expected));
         }
         let up = match self.up.as_deref() {
             None => None,
@@ -50,8 +55,7 @@ impl ReadArgs {
             Some(other) => return Err(wrong_option("--up", other, "y or z")),
         };
         let unit_to_m = self.unit.as_deref().map(|name| metres_of_unit("--unit", name)).transpose()?;
-        let (strict, repair) = (self.strict, self.repair);
-        Ok(ReadOptions { fps: self.fps, unit_to_m, up, roles: self.roles()?, strict, repair })
+        Ok(ReadOptions { fps: self.fps, unit_to_m, up, roles: self.roles()?, repair: self.repair })
     }
 
     fn roles(&self) -> Result<BTreeMap<JointRole, String>, PlainError> {
@@ -70,10 +74,43 @@ impl ReadArgs {
     pub(crate) fn read(&self, path: &Path, options: &ReadOptions) -> Result<ReadClip, PlainError> {
         match path.to_str().and_then(|text| text.strip_prefix("builtin:")) {
             Some(asked) => generated(asked),
-            None => read_file(path, self.skeleton.as_deref(), options).map_err(|error| plain_of(&error)),
+            None => self.read_file(path, options),
+        }
+    }
+
+    fn read_file(&self, path: &Path, options: &ReadOptions) -> Result<ReadClip, PlainError> {
+        let mut read =
+            read_file(path, self.skeleton.as_deref(), options).map_err(|error| plain_of(&error))?;
+        if let Some([first, last]) = self.frames(read.clip.frame_count())? {
+            read.use_frames(first, last);
+        }
+        if !self.strict {
+            return Ok(read);
+        }
+        read.strictly().map_err(|error| plain_of(&FileError::Read { path: path.to_owned(), error }))
+    }
+
+    /// First and last frame to use, of `count`.
+    fn frames(&self, count: usize) -> Result<Option<[SourceFrame; 2]>, PlainError> {
+        let Some(text) = &self.frames else {
+            return Ok(None);
+        };
+        let number = |text: &str| text.trim().parse::<u32>().ok();
+        let pair = text.split_once("..").and_then(|(first, last)| Some([number(first)?, number(last)?]));
+        match pair {
+            Some([first, last]) if first <= last && (last as usize) < count => {
+                Ok(Some([first, last].map(SourceFrame)))
+            }
+            _ => {
+                let expected = format!("FIRST..LAST with two of the frames 0 to {}", count.saturating_sub(1));
+                Err(wrong_option("--frames", text, &expected))
+            }
         }
     }
 }
+
+/// More frames per second than any camera takes of people.
+const FASTEST: f64 = 1000.0;
 
 fn is_positive(value: f64) -> bool {
     value.is_finite() && value > 0.0

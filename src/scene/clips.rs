@@ -190,8 +190,8 @@ fn options_of(file: &raw::FileClip, report: &mut Report) -> Option<ReadOptions> 
     let roles = roles_of(&file.roles, report);
     let is_set = |field: &Field<bool>| field.value().copied().unwrap_or(false);
     let spoiled = fps.is_none() && !file.fps.is_absent();
-    let (strict, repair) = (is_set(&file.strict), is_set(&file.repair));
-    (!spoiled).then_some(ReadOptions { fps, unit_to_m, up, roles: roles?, strict, repair })
+    let repair = is_set(&file.repair);
+    (!spoiled).then_some(ReadOptions { fps, unit_to_m, up, roles: roles?, repair })
 }
 
 /// Joints by role; `None`, reported, if a name is no role.
@@ -239,9 +239,19 @@ fn entry(name: &str, declared: &At<raw::Clip>, read: Option<&Read>, report: &mut
         return Entry { name: name.to_owned(), clip: None, events: Arc::default() };
     };
     let settled = matches!(frames, Field::Given(_));
-    let known = |note: &&ReadNote| settled && matches!(note, ReadNote::RestPoseLeftOut { .. });
-    for note in notes.iter().filter(|note| !known(note)) {
-        report.warn(&declared.place, format!("clip \"{name}\": {note}"), NOTE_HELP);
+    let notes: Vec<&ReadNote> =
+        notes.iter().filter(|note| !settled || !note.is_settled_by_frames()).collect();
+    let strict = match &declared.value {
+        raw::Clip::File(file) => file.strict.given().filter(|strict| strict.value),
+        _ => None,
+    };
+    if let Some(At { place, .. }) = strict.filter(|_| !notes.iter().all(|note| note.is_repair())) {
+        let all: Vec<String> = notes.iter().map(ToString::to_string).collect();
+        report.fault(place, format!("clip \"{name}\", read strictly: {}", all.join("; ")), NOTE_HELP);
+    } else {
+        for note in notes {
+            report.warn(&declared.place, format!("clip \"{name}\": {note}"), NOTE_HELP);
+        }
     }
     let range = range(clip, frames, &declared.place, report);
     let mut named = clip.events.clone();
