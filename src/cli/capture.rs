@@ -61,7 +61,8 @@ impl ReadArgs {
     fn roles(&self) -> Result<BTreeMap<JointRole, String>, PlainError> {
         let wrong = |text: &str| {
             let names = JointRole::ALL.map(JointRole::name).join(", ");
-            wrong_option("--role", text, &format!("ROLE=JOINT with one of the roles {names}"))
+            let help = Some(format!("the roles are {names}"));
+            plain("--role", format!("\"{text}\" is not ROLE=JOINT with the name of a role"), help)
         };
         let pair = |text: &String| {
             let (role, joint) = text.split_once('=').ok_or_else(|| wrong(text))?;
@@ -128,10 +129,8 @@ pub(crate) fn metres_of_unit(option: &str, name: &str) -> Result<f64, PlainError
 }
 
 fn generated(asked: &str) -> Result<ReadClip, PlainError> {
-    let mut words = asked.split(',').map(str::trim);
-    let name = words.next().unwrap_or_default();
-    let given: Vec<String> = words.map(str::to_owned).collect();
-    let clip = builtin::generate(name, &parameters(&given)?).map_err(|error| {
+    let clip = builtin::request(asked).and_then(|(name, parameters)| builtin::generate(&name, &parameters));
+    let clip = clip.map_err(|error| {
         let help = Some("`cotillion clips` lists clips and parameters".to_owned());
         plain(&format!("builtin:{asked}"), error.to_string(), help)
     })?;
@@ -163,7 +162,11 @@ pub(crate) fn plain(file: &str, message: String, help: Option<String>) -> PlainE
 /// The error as the command line tells it, with the place in the file if there is one.
 fn plain_of(error: &FileError) -> PlainError {
     let file = error.path().display().to_string();
-    let help = Some(error.help().to_owned());
+    let help = match error {
+        // What is wrong with the text says what to do about it.
+        FileError::Read { error, .. } if error.position().is_some() => None,
+        _ => Some(error.help().to_owned()),
+    };
     match error {
         FileError::Read { error, .. } => {
             let (line, column) = error.position().map_or((0, 0), |at| (at.line, at.column));

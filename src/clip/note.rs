@@ -171,6 +171,15 @@ impl fmt::Display for ReadNote {
                 write!(f, "no joint found for {}", names.join(", "))
             }
             Self::SingleFrame => f.write_str("a single frame: a pose, no motion"),
+            _ => self.doubt(f),
+        }
+    }
+}
+
+impl ReadNote {
+    /// What is told of frames, rates and sizes that cannot be right.
+    fn doubt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
             Self::ValuesFilledIn { frames } => {
                 write!(f, "values that are no numbers were filled in: {}", frame_list(frames))
             }
@@ -234,6 +243,8 @@ impl fmt::Display for ReadNote {
                  taken at it: give `fps` to settle it",
                 (fps * 1e3).round() / 1e3
             ),
+            // The others are told where this is called.
+            _ => Ok(()),
         }
     }
 }

@@ -7,11 +7,11 @@ use std::sync::Arc;
 
 use rayon::prelude::*;
 
-use crate::clip::Clip;
 use crate::clip::measure::doubtful_fall;
 use crate::clip::note::ReadNote;
 use crate::clip::read::{self, ReadOptions};
 use crate::clip::working::{WORKING_STEP, WorkingClip};
+use crate::clip::{Clip, builtin};
 use crate::index::SourceFrame;
 use crate::scene::moment::{Entry, SEPARATORS};
 use crate::scene::raw;
@@ -116,10 +116,14 @@ fn source_of(clip: &At<raw::Clip>, folders: Folders<'_>, report: &mut Report) ->
     match &clip.value {
         raw::Clip::Spoiled => None,
         raw::Clip::Source(text) => match text.strip_prefix("builtin:") {
-            Some(name) => {
-                let (name, parameters) = (name.to_owned(), BTreeMap::new());
-                Some((Source::Builtin { name, parameters }, clip.place.clone()))
-            }
+            Some(asked) => match builtin::request(asked) {
+                Ok((name, parameters)) => Some((Source::Builtin { name, parameters }, clip.place.clone())),
+                Err(error) => {
+                    let help = "write \"builtin:NAME\", or \"builtin:NAME,PARAMETER=VALUE\"";
+                    report.fault(&clip.place, error.to_string(), help);
+                    None
+                }
+            },
             None => {
                 let path = path_of(text, &clip.place, folders, report)?;
                 let (skeleton, options) = (None, ReadOptions::default());
