@@ -236,7 +236,6 @@ fn options(seed: u64) -> ReadOptions {
     match seed / 7 % 8 {
         0..3 => ReadOptions::default(),
         3..5 => ReadOptions { repair: true, ..ReadOptions::default() },
-        5 => ReadOptions { strict: true, ..ReadOptions::default() },
         _ => ReadOptions {
             fps: Some(60.0),
             unit_to_m: Some(0.01),

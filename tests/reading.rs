@@ -72,6 +72,13 @@ fn warnings(facts: &Value) -> String {
     facts["warnings"].to_string()
 }
 
+/// The text with row `row` of the motion replaced.
+fn with_row(bvh: &str, row: usize, by: &str) -> String {
+    let start = bvh.lines().position(|line| line.starts_with("Frame Time")).expect("a motion") + 1;
+    let lines = bvh.lines().enumerate().map(|(index, line)| if index == start + row { by } else { line });
+    lines.collect::<Vec<_>>().join("\n")
+}
+
 /// The text with the first number of row `row` of the motion replaced.
 fn with_first_number(bvh: &str, row: usize, by: &str) -> String {
     let start = bvh.lines().position(|line| line.starts_with("Frame Time")).expect("a motion") + 1;
@@ -149,6 +156,52 @@ fn files_go_by_their_endings_and_say_what_they_lack() {
     let walk = home.walk();
     let error = refusal(&home.inspect(&["--skeleton", text(&walk)]));
     assert!(error["message"].as_str().expect("text").contains("brings its own skeleton"));
+}
+
+#[test]
+fn frames_that_are_named_settle_what_they_leave_out() {
+    let rest = |bvh: String| {
+        let width = bvh.lines().last().expect("rows").split_whitespace().count();
+        let zeros = vec!["0"; width].join(" ");
+        with_row(&bvh, 0, &zeros)
+    };
+    let home = Home::with(rest);
+    assert!(warnings(&facts(&home.inspect(&["--unit", "m"]))).contains("frame 0 is a rest pose"));
+    refusal(&home.inspect(&["--unit", "m", "--strict"]));
+    let settled = facts(&home.inspect(&["--unit", "m", "--strict", "--frames", "1..60"]));
+    assert_eq!(settled["usable"], serde_json::json!({ "from": 1, "to": 60 }));
+    refusal(&home.inspect(&["--frames", "60..1"]));
+    refusal(&home.inspect(&["--frames", "1..9999"]));
+    assert!(home.check("strict = true, unit = \"m\", frames = [1, 60]").status.success());
+}
+
+#[test]
+fn generated_clips_are_asked_for_alike_everywhere() {
+    let home = Home::with(|bvh| bvh);
+    let scene = home.folder.path().join("asked.toml");
+    let text_of =
+        "[clips]\nrun = \"builtin:run,speed=3,turn=10\"\n[[character]]\nname = \"ann\"\ntrack = [\"run\"]\n";
+    fs::write(&scene, text_of).expect("a temporary file");
+    assert!(cotillion(&["check", text(&scene)]).status.success());
+    facts(&cotillion(&["inspect", "--json", "builtin:run,speed=3,turn=10"]));
+    let file = home.folder.path().join("run.bvh");
+    assert!(cotillion(&["clips", "builtin:run,speed=3", "-o", text(&file)]).status.success());
+    let error = refusal(&cotillion(&["inspect", "--json", "builtin:run,speed=nan"]));
+    assert!(error["message"].as_str().expect("a message").contains("\"speed=nan\" is not PARAMETER=VALUE"));
+}
+
+#[test]
+fn nothing_is_written_over_a_capture_or_under_a_wrong_name() {
+    let home = Home::with(|bvh| bvh);
+    let walk = home.walk();
+    let before = fs::read(&walk).expect("the walk");
+    refusal(&cotillion(&["convert", "--json", text(&walk), "-o", text(&walk)]));
+    assert_eq!(fs::read(&walk).expect("the walk"), before);
+    let wrong = home.folder.path().join("walk.txt");
+    refusal(&cotillion(&["convert", "--json", text(&walk), "-o", text(&wrong)]));
+    let picture = home.folder.path().join("walk.jpg");
+    refusal(&cotillion(&["inspect", "--json", text(&walk), "--strip", text(&picture)]));
+    assert!(!wrong.exists() && !picture.exists());
 }
 
 /// Bytes that reading an announcement may take, whatever it announces.

@@ -30,7 +30,6 @@ fn options_of(byte: u8) -> ReadOptions {
         unit_to_m: has(1).then_some(0.01),
         up: has(2).then_some(if has(3) { Up::Z } else { Up::Y }),
         roles: has(4).then_some(role).into_iter().collect(),
-        strict: has(5),
         repair: has(6) || has(7),
     }
 }

@@ -99,6 +99,11 @@ fn write(
 /// The file of each clip.
 fn places(path: &Path, clips: &[Clip], kind: &str) -> Result<Vec<PathBuf>, PlainError> {
     if !is(path, "svg") && !is(path, "png") {
+        if path.extension().is_some() && !path.is_dir() {
+            let message = "pictures are written as .svg and .png".to_owned();
+            let help = Some("end the name in one of these, or name a folder".to_owned());
+            return Err(plain(&path.display().to_string(), message, help));
+        }
         let names: Vec<&str> = clips.iter().map(|clip| clip.name.as_str()).collect();
         return Ok(file_names(&names).iter().map(|name| path.join(format!("{name}.{kind}.png"))).collect());
     }

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use cotillion::clip::Clip;
-use cotillion::clip::builtin::{self, BuiltinInfo};
+use cotillion::clip::builtin::{self, BuiltinError, BuiltinInfo};
 use cotillion::clip::inspect::{ClipFacts, facts_text, inspect as facts_of};
 use cotillion::clip::read::ReadOptions;
 use rayon::prelude::*;
@@ -61,10 +61,14 @@ pub(crate) fn clips(args: &ClipsArgs) -> Result<(), Failure> {
         return Ok(());
     };
     let fail = |error: PlainError| output.fail(error);
-    let parameters = parameters(&args.parameter).map_err(fail)?;
-    let generated = builtin::generate(name, &parameters).map_err(|error| {
+    let more = parameters(&args.parameter).map_err(fail)?;
+    let asked = name.strip_prefix("builtin:").unwrap_or(name);
+    let wrong = |error: BuiltinError| {
         fail(plain(name, error.to_string(), Some("`cotillion clips` lists clips and parameters".to_owned())))
-    })?;
+    };
+    let (name, mut parameters) = builtin::request(asked).map_err(wrong)?;
+    parameters.extend(more);
+    let generated = builtin::generate(&name, &parameters).map_err(wrong)?;
     match &args.output {
         Some(path) => write_bvh(&output, path, &generated, &args.bvh)?,
         None => {

@@ -59,6 +59,25 @@ pub enum ReadNote {
         /// Which.
         frames: Vec<SourceFrame>,
     },
+    /// So many glitches that something else must be wrong.
+    ManyGlitches {
+        /// In how many frames.
+        frames: usize,
+        /// Of how many.
+        of: usize,
+    },
+    /// The rate differs from what the frame time's few digits say.
+    RateRounded {
+        /// Frames per second by the digits.
+        written: f64,
+        /// Frames per second taken.
+        fps: f64,
+    },
+    /// The body has a size that bodies do not have.
+    OddSize {
+        /// Largest extent at rest, metres.
+        metres: f64,
+    },
     /// The body jumps, and the few frames beyond the jump are not used.
     JumpLeftOut {
         /// First frame after the jump.
@@ -107,6 +126,11 @@ pub enum ReadNote {
 }
 
 impl ReadNote {
+    /// Whether naming the frames to use leaves nothing to say.
+    pub const fn is_settled_by_frames(&self) -> bool {
+        matches!(self, Self::RestPoseLeftOut { .. } | Self::FirstFrameJumps | Self::JumpLeftOut { .. })
+    }
+
     /// Whether this tells of a repair that was asked for, not of a doubt.
     pub const fn is_repair(&self) -> bool {
         matches!(self, Self::ValuesFilledIn { .. } | Self::GlitchesRepaired { .. })
@@ -147,6 +171,15 @@ impl fmt::Display for ReadNote {
                 write!(f, "no joint found for {}", names.join(", "))
             }
             Self::SingleFrame => f.write_str("a single frame: a pose, no motion"),
+            _ => self.doubt(f),
+        }
+    }
+}
+
+impl ReadNote {
+    /// What is told of frames, rates and sizes that cannot be right.
+    fn doubt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
             Self::ValuesFilledIn { frames } => {
                 write!(f, "values that are no numbers were filled in: {}", frame_list(frames))
             }
@@ -157,6 +190,18 @@ impl fmt::Display for ReadNote {
             ),
             Self::GlitchesRepaired { frames } => {
                 write!(f, "frames that depart and come back were filled in: {}", frame_list(frames))
+            }
+            Self::ManyGlitches { frames, of } => write!(
+                f,
+                "joints depart and come back in {frames} of {of} frames: the angles or the rate are wrong; give `fps`, or \
+                 export the file again"
+            ),
+            Self::RateRounded { written, fps } => write!(
+                f,
+                "the frame time means {fps} frames a second, though its few digits say {written:.1}; give `fps` to settle it"
+            ),
+            Self::OddSize { metres } => {
+                write!(f, "the body measures {metres:.3} m: its unit is wrong, or it is no body; give `unit`")
             }
             Self::JumpLeftOut { frame, metres, usable: (first, last) } => write!(
                 f,
@@ -198,6 +243,8 @@ impl fmt::Display for ReadNote {
                  taken at it: give `fps` to settle it",
                 (fps * 1e3).round() / 1e3
             ),
+            // The others are told where this is called.
+            _ => Ok(()),
         }
     }
 }

@@ -33,7 +33,9 @@ pub enum TextError {
     #[error("{at}: `{found}` is not a number; decimals are written with a point")]
     NotANumber { at: Position, found: String },
     /// NaN, infinity or overflow.
-    #[error("{at}: `{found}` is not a finite number; repair the value or leave the frame out")]
+    #[error(
+        "{at}: `{found}` is not a finite number; `repair` fills in single ones, else mend the value or leave the frame out"
+    )]
     NotFinite { at: Position, found: String },
     /// A count that is negative, a fraction or too large.
     #[error("{at}: `{found}` is not a count of {what}; write a whole number from 0 to 4294967295")]
@@ -222,8 +224,10 @@ impl<'a> Cursor<'a> {
         let parsed = std::str::from_utf8(word.bytes).ok().and_then(|text| text.parse::<f64>().ok());
         match parsed {
             Some(value) if value.is_finite() => Ok(value),
-            Some(_) => Err(TextError::NotFinite { at: self.position(word.start), found: quote(word.bytes) }),
-            None => Err(TextError::NotANumber { at: self.position(word.start), found: quote(word.bytes) }),
+            None if !is_c_nan(word.bytes) => {
+                Err(TextError::NotANumber { at: self.position(word.start), found: quote(word.bytes) })
+            }
+            _ => Err(TextError::NotFinite { at: self.position(word.start), found: quote(word.bytes) }),
         }
     }
 
@@ -239,6 +243,13 @@ impl<'a> Cursor<'a> {
                 what,
             })
     }
+}
+
+/// Whether `word` is how C libraries write what is no number: `-1.#IND`, `1.#QNAN0`, `-nan(ind)`.
+fn is_c_nan(word: &[u8]) -> bool {
+    let word = word.to_ascii_lowercase();
+    let unsigned = word.strip_prefix(b"-").unwrap_or(&word);
+    unsigned.starts_with(b"1.#") || unsigned.starts_with(b"nan(")
 }
 
 /// The digits that `text` starts with, appended to `number`; what follows them, and how many they are.

@@ -7,11 +7,11 @@ use std::sync::Arc;
 
 use rayon::prelude::*;
 
-use crate::clip::Clip;
 use crate::clip::measure::doubtful_fall;
 use crate::clip::note::ReadNote;
 use crate::clip::read::{self, ReadOptions};
 use crate::clip::working::{WORKING_STEP, WorkingClip};
+use crate::clip::{Clip, builtin};
 use crate::index::SourceFrame;
 use crate::scene::moment::{Entry, SEPARATORS};
 use crate::scene::raw;
@@ -116,10 +116,14 @@ fn source_of(clip: &At<raw::Clip>, folders: Folders<'_>, report: &mut Report) ->
     match &clip.value {
         raw::Clip::Spoiled => None,
         raw::Clip::Source(text) => match text.strip_prefix("builtin:") {
-            Some(name) => {
-                let (name, parameters) = (name.to_owned(), BTreeMap::new());
-                Some((Source::Builtin { name, parameters }, clip.place.clone()))
-            }
+            Some(asked) => match builtin::request(asked) {
+                Ok((name, parameters)) => Some((Source::Builtin { name, parameters }, clip.place.clone())),
+                Err(error) => {
+                    let help = "write \"builtin:NAME\", or \"builtin:NAME,PARAMETER=VALUE\"";
+                    report.fault(&clip.place, error.to_string(), help);
+                    None
+                }
+            },
             None => {
                 let path = path_of(text, &clip.place, folders, report)?;
                 let (skeleton, options) = (None, ReadOptions::default());
@@ -190,8 +194,8 @@ fn options_of(file: &raw::FileClip, report: &mut Report) -> Option<ReadOptions> 
     let roles = roles_of(&file.roles, report);
     let is_set = |field: &Field<bool>| field.value().copied().unwrap_or(false);
     let spoiled = fps.is_none() && !file.fps.is_absent();
-    let (strict, repair) = (is_set(&file.strict), is_set(&file.repair));
-    (!spoiled).then_some(ReadOptions { fps, unit_to_m, up, roles: roles?, strict, repair })
+    let repair = is_set(&file.repair);
+    (!spoiled).then_some(ReadOptions { fps, unit_to_m, up, roles: roles?, repair })
 }
 
 /// Joints by role; `None`, reported, if a name is no role.
@@ -239,9 +243,19 @@ fn entry(name: &str, declared: &At<raw::Clip>, read: Option<&Read>, report: &mut
         return Entry { name: name.to_owned(), clip: None, events: Arc::default() };
     };
     let settled = matches!(frames, Field::Given(_));
-    let known = |note: &&ReadNote| settled && matches!(note, ReadNote::RestPoseLeftOut { .. });
-    for note in notes.iter().filter(|note| !known(note)) {
-        report.warn(&declared.place, format!("clip \"{name}\": {note}"), NOTE_HELP);
+    let notes: Vec<&ReadNote> =
+        notes.iter().filter(|note| !settled || !note.is_settled_by_frames()).collect();
+    let strict = match &declared.value {
+        raw::Clip::File(file) => file.strict.given().filter(|strict| strict.value),
+        _ => None,
+    };
+    if let Some(At { place, .. }) = strict.filter(|_| !notes.iter().all(|note| note.is_repair())) {
+        let all: Vec<String> = notes.iter().map(ToString::to_string).collect();
+        report.fault(place, format!("clip \"{name}\", read strictly: {}", all.join("; ")), NOTE_HELP);
+    } else {
+        for note in notes {
+            report.warn(&declared.place, format!("clip \"{name}\": {note}"), NOTE_HELP);
+        }
     }
     let range = range(clip, frames, &declared.place, report);
     let mut named = clip.events.clone();

@@ -145,8 +145,8 @@ pub enum AmcError {
         "{at}: bone `{bone}` has {found} values in frame {frame}, expected {expected}, one for each degree of freedom"
     )]
     ValueCount { at: Position, bone: String, frame: u64, expected: usize, found: usize },
-    /// A place of the root that no capture has.
-    #[error("{at}: {found:e} is no coordinate; the root must stay within {most} file units")]
+    /// A value that no capture has.
+    #[error("{at}: {found:e} is neither a coordinate nor an angle; all must stay within {most:e}")]
     TooFar { at: Position, found: f64, most: f64 },
     /// Too many values in a row of frames that are no numbers.
     #[error("{at}: more than {limit} frames without a number here cannot be filled in; leave them out")]

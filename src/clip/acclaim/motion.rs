@@ -269,11 +269,11 @@ fn value(reading: &mut Reading<'_, '_>, word: Word<'_>, row: usize, column: usiz
         }
         Err(error) => return Err(error.into()),
     };
+    if found.abs() > FARTHEST {
+        return Err(AmcError::TooFar { at: reading.lines.position(word), found, most: FARTHEST });
+    }
     reading.values[row + column] = match reading.columns.dofs[column] {
         Dof::Turn(_) => reading.angles.to_degrees(found),
-        Dof::Place(_) if found.abs() > FARTHEST => {
-            return Err(AmcError::TooFar { at: reading.lines.position(word), found, most: FARTHEST });
-        }
         Dof::Place(_) => found,
     };
     Ok(())

@@ -24,6 +24,7 @@ mod loads;
 mod mass;
 mod momentum;
 mod performance;
+mod request;
 mod run;
 mod side;
 mod sit;
@@ -31,6 +32,8 @@ mod stand;
 mod walks;
 
 use std::collections::BTreeMap;
+
+pub use request::request;
 
 use self::body::Body;
 use crate::clip::Clip;
@@ -89,6 +92,12 @@ pub enum BuiltinError {
         parameter: String,
         /// The known name closest to it, if any is close.
         suggestion: Option<&'static str>,
+    },
+    /// Something that is no parameter with its value.
+    #[error("\"{found}\" is not PARAMETER=VALUE with a finite number")]
+    NotAParameter {
+        /// As asked for.
+        found: String,
     },
     /// A value outside its range, or none at all.
     #[error("{parameter} = {value} of generated clip \"{clip}\" is outside {} to {} {unit}", .range.0, .range.1)]

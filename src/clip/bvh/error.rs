@@ -52,8 +52,8 @@ pub enum BvhError {
         "{at}: {frames} frames of {joints} joints in a file of this size; leave out joints that do not turn, or split the motion"
     )]
     TooManyRotations { at: Position, joints: usize, frames: usize },
-    /// A coordinate that no body has.
-    #[error("{at}: {found:e} is no coordinate; all must stay within {most} file units")]
+    /// A coordinate or an angle that no body has.
+    #[error("{at}: {found:e} is neither a coordinate nor an angle; all must stay within {most:e}")]
     TooFar { at: Position, found: f64, most: f64 },
     /// The motion has no frames.
     #[error("{at}: the file has no frames; a clip needs one at least")]

@@ -21,6 +21,9 @@ use crate::clip::file_motion::FileMotion;
 use crate::clip::note::ReadNote;
 use crate::index::SourceFrame;
 
+/// A rate that differs by more from what the frame time's digits say is noted.
+const ROUNDED: f64 = 0.05;
+
 /// The motion of the BVH file `bytes`, called `name`. `repair`: values that are no finite numbers are filled in from the
 /// frames around them. Cost: linear in the file's length.
 ///
@@ -35,6 +38,10 @@ pub(in crate::clip) fn motion(bytes: &[u8], name: &str, repair: bool) -> Result<
         });
     }
     let header_fps = rate::frame_rate(&raw);
+    let written = 1.0 / raw.frame_time;
+    if (header_fps / written - 1.0).abs() > ROUNDED {
+        notes.push(ReadNote::RateRounded { written, fps: header_fps });
+    }
     let clip = convert::clip_in_file_units(&raw, name, header_fps, &mut notes);
     Ok(FileMotion { clip, header_fps, unit_to_m: None, up: None, notes })
 }

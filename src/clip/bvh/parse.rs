@@ -282,8 +282,6 @@ fn rows(
     mut gaps: Option<&mut Vec<Gap>>,
 ) -> Result<Vec<f64>, BvhError> {
     let width = channels.len();
-    let is_place = |column: &usize| matches!(channels[*column], Channel::Position(_));
-    let places: Vec<usize> = (0..width).filter(is_place).collect();
     // The count is only announced; what follows can hold one number in two bytes at most.
     let mut values = Vec::with_capacity((cursor.remaining() / 2).min(frame_count.saturating_mul(width)));
     for row in 0..frame_count {
@@ -301,9 +299,7 @@ fn rows(
             });
         }
         let numbers = &values[row * width..];
-        if let Some(&found) =
-            places.iter().map(|&column| &numbers[column]).find(|found| found.abs() > FARTHEST)
-        {
+        if let Some(&found) = numbers.iter().find(|found| found.abs() > FARTHEST) {
             return Err(BvhError::TooFar { at: cursor.position(first.start), found, most: FARTHEST });
         }
     }
@@ -380,7 +376,14 @@ fn keyed_word<'a>(
     value: &'static str,
 ) -> Result<Word<'a>, BvhError> {
     for key in keys {
-        cursor.expect(key, keys_quoted)?;
+        let word = cursor.next(keys_quoted)?;
+        let starts =
+            word.bytes.get(..key.len()).is_some_and(|start| start.eq_ignore_ascii_case(key.as_bytes()));
+        // `Frames:122` is written without a blank now and then.
+        if !starts || (word.bytes.len() > key.len() && !key.ends_with(':')) {
+            return Err(cursor.unexpected(word, keys_quoted).into());
+        }
+        cursor.go_to(word.start + key.len());
     }
     Ok(cursor.next(value)?)
 }

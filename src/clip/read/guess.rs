@@ -72,6 +72,15 @@ fn leg_length(skeleton: &Skeleton) -> Option<f64> {
     left.into_iter().chain(right).max_by(f64::total_cmp).filter(|length| *length > 0.0)
 }
 
+/// Sizes of bodies from the lowest to the highest joint, metres: children to giants, arms stretched sideways or upwards.
+const BODY_SIZES: std::ops::Range<f64> = 0.5..2.8;
+
+/// Largest extent of a body at rest, metres, where it has a size that bodies do not have.
+pub(super) fn odd_size(skeleton: &Skeleton) -> Option<f64> {
+    let extent = rest_extent(skeleton).max_element();
+    (!BODY_SIZES.contains(&extent)).then_some(extent)
+}
+
 /// Size of the box around all joints at rest.
 fn rest_extent(skeleton: &Skeleton) -> DVec3 {
     let frames = skeleton.forward_kinematics(&skeleton.rest_pose());

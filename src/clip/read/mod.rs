@@ -41,7 +41,7 @@ pub enum Capture<'a> {
     DeepMimic(&'a [u8]),
 }
 
-/// What a caller knows better than the file, and how strictly to read it; default: the header's rate, the rest guessed.
+/// What a caller knows better than the file, and whether to mend it; default: the header's rate, the rest guessed.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct ReadOptions {
     /// Frames per second.
@@ -52,8 +52,6 @@ pub struct ReadOptions {
     pub up: Option<Up>,
     /// Joints of roles, by their names in the file, over what names and tree tell.
     pub roles: BTreeMap<JointRole, String>,
-    /// Refuses whatever would only be noted.
-    pub strict: bool,
     /// Fills in single frames that are no numbers or cannot be motion.
     pub repair: bool,
 }
@@ -163,14 +161,33 @@ pub fn read(capture: Capture<'_>, name: &str, options: &ReadOptions) -> Result<R
     world::to_world(&mut clip, unit_to_m, up);
     leave_out_rest_pose(&mut clip, &mut notes);
     quality::examine(&mut clip, options.repair, &mut notes);
+    if let Some(metres) = guess::odd_size(&clip.skeleton) {
+        notes.push(ReadNote::OddSize { metres });
+    }
     let roles = missing_roles(&clip.skeleton);
     if !roles.is_empty() {
         notes.push(ReadNote::RolesMissing { roles });
     }
-    if options.strict && !notes.iter().all(ReadNote::is_repair) {
-        return Err(ReadError::Strict { notes });
-    }
     Ok(ReadClip { clip, unit_to_m, up, header_fps, notes })
+}
+
+impl ReadClip {
+    /// Uses the frames `first` to `last` alone; notes of what they leave out are settled by that.
+    pub fn use_frames(&mut self, first: SourceFrame, last: SourceFrame) {
+        self.clip.usable = (first, last);
+        self.notes.retain(|note| !note.is_settled_by_frames());
+    }
+
+    /// Refuses what is only noted, but for repairs that were asked for.
+    ///
+    /// # Errors
+    /// [`ReadError::Strict`] with all that is guessed or looks odd.
+    pub fn strictly(self) -> Result<Self, ReadError> {
+        if self.notes.iter().all(ReadNote::is_repair) {
+            return Ok(self);
+        }
+        Err(ReadError::Strict { notes: self.notes })
+    }
 }
 
 /// Gives roles to the joints that a caller names.

@@ -2,6 +2,7 @@
 
 use crate::clip::Clip;
 use crate::clip::note::ReadNote;
+use crate::clip::repair::LONGEST_GAP;
 use crate::geometry::{log, slerp};
 use crate::index::{JointId, SourceFrame};
 
@@ -15,6 +16,8 @@ const FASTEST_TURN: f64 = 35.0;
 const LEAST_TURN: f64 = 0.35;
 /// A frame is a glitch if the frames around it differ by less than this share of what it departs by.
 const RETURN_SHARE: f64 = 0.5;
+/// Where so many frames are glitches, it is the angles or the rate that are wrong, share of all.
+const SICK_SHARE: f64 = 0.05;
 /// A jump so near to an end of the file cuts off what lies beyond it, frames; and so many must be left.
 const CUT_OFF: usize = 10;
 
@@ -26,22 +29,44 @@ pub(super) fn examine(clip: &mut Clip, repair: bool, notes: &mut Vec<ReadNote>) 
     if clip.frame_count() < 3 {
         return;
     }
-    let glitches = glitches(clip);
-    if repair {
-        for glitch in &glitches {
-            fill_in(clip, *glitch);
+    let found = glitches(clip);
+    let frames = frames_of(&found);
+    if frames.len() as f64 > SICK_SHARE * clip.frame_count() as f64 {
+        notes.push(ReadNote::ManyGlitches { frames: frames.len(), of: clip.frame_count() });
+    } else if repair {
+        let mut mended: Vec<Glitch> = Vec::new();
+        for run in runs_of(found) {
+            if fill_in(clip, &run) {
+                mended.extend(run);
+            }
         }
-    }
-    let mut frames: Vec<SourceFrame> = glitches.iter().map(|glitch| glitch.frame).collect();
-    frames.dedup();
-    if !frames.is_empty() {
-        notes.push(if repair {
-            ReadNote::GlitchesRepaired { frames }
-        } else {
-            ReadNote::Glitches { frames }
-        });
+        note(frames_of(&mended), notes, |frames| ReadNote::GlitchesRepaired { frames });
+        note(frames_of(&glitches(clip)), notes, |frames| ReadNote::Glitches { frames });
+    } else {
+        note(frames, notes, |frames| ReadNote::Glitches { frames });
     }
     leave_out_jumps(clip, notes);
+}
+
+fn note(frames: Vec<SourceFrame>, notes: &mut Vec<ReadNote>, of: impl Fn(Vec<SourceFrame>) -> ReadNote) {
+    if !frames.is_empty() {
+        notes.push(of(frames));
+    }
+}
+
+/// Frames of glitches, each once, rising.
+fn frames_of(glitches: &[Glitch]) -> Vec<SourceFrame> {
+    let mut frames: Vec<SourceFrame> = glitches.iter().map(|glitch| glitch.frame).collect();
+    frames.sort_unstable();
+    frames.dedup();
+    frames
+}
+
+/// Glitches of one joint in adjoining frames together: between them none is known to be right.
+fn runs_of(mut glitches: Vec<Glitch>) -> Vec<Vec<Glitch>> {
+    glitches.sort_unstable_by_key(|glitch| (glitch.joint, glitch.frame));
+    let adjoin = |a: &Glitch, b: &Glitch| a.joint == b.joint && a.frame.0 + 1 == b.frame.0;
+    glitches.chunk_by(adjoin).map(<[Glitch]>::to_vec).collect()
 }
 
 /// One frame of a joint, or of the root's place, that departs from its neighbours and comes back.
@@ -91,20 +116,29 @@ fn departs(there: f64, back: f64, across: f64, limit: f64) -> bool {
     there > limit && back > limit && across < RETURN_SHARE * there.min(back)
 }
 
-/// Puts what departs half way between the frames around it.
-fn fill_in(clip: &mut Clip, glitch: Glitch) {
-    let frame = glitch.frame.as_usize();
-    match glitch.joint {
-        None => {
-            clip.root_positions[frame] =
-                clip.root_positions[frame - 1].midpoint(clip.root_positions[frame + 1]);
-        }
-        Some(joint) => {
-            let joints = clip.skeleton.joints.len();
-            let at = frame * joints + joint.as_usize();
-            clip.rotations[at] = slerp(clip.rotations[at - joints], clip.rotations[at + joints], 0.5);
+/// Puts what departs evenly between the frames around the run; `false` where the run is too long to know.
+fn fill_in(clip: &mut Clip, run: &[Glitch]) -> bool {
+    if run.len() > LONGEST_GAP {
+        return false;
+    }
+    let (before, after) = (run[0].frame.as_usize() - 1, run[run.len() - 1].frame.as_usize() + 1);
+    let joints = clip.skeleton.joints.len();
+    for (step, glitch) in run.iter().enumerate() {
+        let share = (step + 1) as f64 / (run.len() + 1) as f64;
+        let frame = glitch.frame.as_usize();
+        match glitch.joint {
+            None => {
+                let places = &mut clip.root_positions;
+                places[frame] = places[before].lerp(places[after], share);
+            }
+            Some(joint) => {
+                let at = |frame: usize| frame * joints + joint.as_usize();
+                clip.rotations[at(frame)] =
+                    slerp(clip.rotations[at(before)], clip.rotations[at(after)], share);
+            }
         }
     }
+    true
 }
 
 /// Cuts off what lies beyond a jump near an end; notes jumps elsewhere.
@@ -168,6 +202,42 @@ mod tests {
         let off = mended.rotations[20 * joints + 6].angle_between(walk().rotations[20 * joints + 6]);
         // Half way between neighbours of a swinging arm.
         assert!(off < 0.02, "{off}");
+    }
+
+    #[test]
+    fn adjoining_frames_are_filled_in_together_and_long_runs_are_left() {
+        let spoilt = |last: usize| {
+            let mut clip = walk();
+            let joints = clip.skeleton.joints.len();
+            for frame in 20..=last {
+                // One way and the other: every frame departs from both its neighbours.
+                let turn = if frame % 2 == 0 { 2.5 } else { 0.0 };
+                clip.rotations[frame * joints + 6] *= DQuat::from_rotation_z(turn);
+            }
+            clip
+        };
+        let (mended, notes) = examined(spoilt(22), true);
+        assert_eq!(notes, [ReadNote::GlitchesRepaired { frames: [20, 21, 22].map(SourceFrame).to_vec() }]);
+        let joints = mended.skeleton.joints.len();
+        for frame in 20..=22 {
+            let at = frame * joints + 6;
+            assert!(mended.rotations[at].angle_between(walk().rotations[at]) < 0.05, "{frame}");
+        }
+        let (left, notes) = examined(spoilt(24), true);
+        assert!(matches!(notes[..], [ReadNote::Glitches { .. }]), "{notes:?}");
+        assert_eq!(left, spoilt(24));
+    }
+
+    #[test]
+    fn a_clip_full_of_glitches_is_not_repaired_but_doubted() {
+        let mut clip = walk();
+        let joints = clip.skeleton.joints.len();
+        for frame in (10..90).step_by(4) {
+            clip.rotations[frame * joints + 6] *= DQuat::from_rotation_z(2.0);
+        }
+        let (same, notes) = examined(clip.clone(), true);
+        assert_eq!(same, clip);
+        assert_eq!(notes, [ReadNote::ManyGlitches { frames: 20, of: clip.frame_count() }]);
     }
 
     #[test]
