@@ -294,7 +294,7 @@ pub fn retarget(row: &mut HeldRow, scene: &Scene) -> bool {
             match &mut row.hold {
                 Hold::Position { target, .. } => *target = position.unwrap_or(*target),
                 Hold::Facing { heading, .. } => *heading = facing.unwrap_or(*heading),
-                Hold::Offset { .. } | Hold::RelativeFacing { .. } => {}
+                Hold::Offset { .. } | Hold::RelativeFacing { .. } | Hold::Beside { .. } => {}
             }
             false
         }
@@ -302,7 +302,7 @@ pub fn retarget(row: &mut HeldRow, scene: &Scene) -> bool {
             match &mut row.hold {
                 Hold::Offset { offset: own, .. } => replace(own, offset),
                 Hold::RelativeFacing { angle, .. } => replace(angle, facing),
-                Hold::Position { .. } | Hold::Facing { .. } => false,
+                Hold::Position { .. } | Hold::Facing { .. } | Hold::Beside { .. } => false,
             }
         }
         ConstraintKind::Relative { offset, facing, partner: Partner::Object(object), .. } => {
