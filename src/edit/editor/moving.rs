@@ -18,8 +18,9 @@ use crate::scene::Scene;
 const ROUNDS: usize = 20;
 /// They stay where nothing changes by more than this, metres or radians.
 const SETTLED: f64 = 1e-11;
-/// They do not stay where the last attempt still changes this much.
-const UNSETTLED: f64 = 1e-7;
+/// Where somebody stands, a small shift turns their body much, and solves are not as exact: after the last attempt they
+/// stay if this changes no more.
+const UNSETTLED: f64 = 1e-8;
 
 impl Editor {
     /// Solves paths while objects move: keyframed ones are where the times say, and what is held relative to carried ones
@@ -62,7 +63,13 @@ impl Editor {
                     mixed.chunks_exact(2).zip(&read).map(|(own, like)| with_numbers(like, [own[0], own[1]]));
                 self.renumber(&mixed.collect::<Vec<_>>());
             }
-            self.solve_space()?;
+            match self.solve_space() {
+                // What runs away ends where numbers do, whatever the solver says of it.
+                Err(EditError::Solver { .. }) if round > 0 => {
+                    return Err(EditError::Unsettled(self.followers()));
+                }
+                solved => solved?,
+            }
             if settles {
                 self.take_paths();
             }
