@@ -256,6 +256,21 @@ fn owners_follow_each_other_as_the_carries_say() {
 }
 
 #[test]
+fn who_carries_comes_to_whom_the_box_is_for() {
+    let pinned = "at = \"bob/take_over:grasp\"\nposition = [2.0, 3.5]\nstrength = \"hard\"\n";
+    let text =
+        RELAY.replace("at = \"ann/hand_over:release\"\nposition = [3.2, 1.6]\nfacing = 60.0\n", pinned);
+    assert_ne!(text, RELAY);
+    let (scene, edit) = solved(&text);
+    assert_sound(&scene, &edit);
+    let release = scene.frame_of(&scene.carries[0].during.1);
+    let ann = edit.characters[0].pose(&scene.characters[0].track, release);
+    let apart = (plan_of(ann.root) - c64::new(2.0, 3.5)).norm();
+    assert!((1.0..1.3).contains(&apart), "at arm's length on either side of the box: {apart}");
+    agree::both_backends(&scene).expect("the backends agree");
+}
+
+#[test]
 fn hands_hold_the_box_where_they_grasped_it() {
     let (scene, edit) = solved(RELAY);
     let moved = Moved { scene: &scene, characters: &edit.characters };

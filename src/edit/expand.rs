@@ -263,14 +263,8 @@ fn pairs<'a>(scene: &Scene, when: &When, partner: &'a Partner) -> Vec<PairSample
 
 /// The instant at a track frame, with what the rest motion says there.
 fn place(scene: &Scene, rests: &[RestPath], when: &When, frame: f64) -> Place {
-    let who = when.character();
-    place_at(scene, &rests[who.as_usize()], who, frame)
-}
-
-/// The instant at a frame of a character's track, with what its rest motion says there.
-pub fn place_at(scene: &Scene, rest: &RestPath, who: CharacterId, frame: f64) -> Place {
-    let path = who.as_usize();
-    let track = &scene.characters[path].track;
+    let path = when.character().as_usize();
+    let (track, rest) = (&scene.characters[path].track, &rests[path]);
     let whole = (frame - frame.round()).abs() < 1e-9 && frame.round() < rest.len() as f64;
     let frame = if whole { frame.round() } else { frame };
     let detail = if whole {
