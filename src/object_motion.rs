@@ -216,6 +216,12 @@ impl ObjectMotion {
         &self.spans[self.spans.partition_point(before).saturating_sub(1)]
     }
 
+    /// When a carry begins, seconds; −∞ where it never has the object.
+    pub fn grasped(&self, carry: usize) -> f64 {
+        let carried = |span: &&Span| matches!(&span.owner, Owner::Carried(hold) if hold.carry == carry);
+        self.spans.iter().find(carried).map_or(f64::NEG_INFINITY, |span| span.from)
+    }
+
     /// Pose at a scene time. `performance`: the one the motion was made of. Cost: linear in joints.
     pub fn pose_at(&self, scene: &Scene, performance: &impl Performance, seconds: f64) -> ObjectPose {
         let span = self.spans.partition_point(|span| span.from <= seconds).saturating_sub(1);

@@ -52,7 +52,7 @@ pub struct JointTarget {
 pub struct Stage<'a, P> {
     /// The scene.
     pub scene: &'a Scene,
-    /// How everybody moves: before the full body, what object motions were made of.
+    /// How everybody moves before the full body: what object motions were made of.
     pub performance: &'a P,
     /// The objects along time.
     pub objects: &'a [ObjectMotion],
@@ -135,22 +135,47 @@ pub fn effector_targets<P: Performance>(
     targets
 }
 
-/// Largest distance of each end effector's joint from what it reaches, metres: over an interval on all ticks of the scene's
-/// clock within and at both ends. Cost: linear in samples and joints.
-pub fn effector_residuals<P: Performance>(stage: &Stage<'_, P>) -> Vec<f64> {
+/// Largest distance of each end effector's joint in `result` from what it reaches, metres: over an interval on all ticks of
+/// the scene's clock within and at both ends. Cost: linear in samples and joints.
+pub fn effector_residuals<P: Performance>(stage: &Stage<'_, P>, result: &impl Performance) -> Vec<f64> {
     let miss = |effector: &EndEffector| {
         let reach = Reach { effector, own: effector.when.character() };
-        let [from, to] = ends(stage, &effector.when);
-        let fps = stage.scene.fps;
-        let first = (from * fps).ceil();
-        let ticks = (0..).map(|k| (first + f64::from(k)) / fps).take_while(|time| *time < to);
         let apart = |time: f64| {
-            let own = joint_at(stage, reach.own, effector.joint, time).position;
-            own.distance(reach.partner(stage, time).0.position)
+            let own = joint_at((stage.scene, result), reach.own, effector.joint, time).position;
+            own.distance(reach.partner(stage, result, time).0.position)
         };
-        [from, to].into_iter().chain(ticks).map(apart).fold(0.0, f64::max)
+        ticks(stage.scene.fps, ends(stage, &effector.when)).map(apart).fold(0.0, f64::max)
     };
     stage.scene.end_effectors.iter().map(miss).collect()
+}
+
+/// Largest distance of a hand in `result` from where it holds what it carries, for each carry, metres: on all ticks of the
+/// scene's clock within and at both ends. Cost: linear in samples and joints.
+pub fn carry_residuals<P: Performance>(stage: &Stage<'_, P>, result: &impl Performance) -> Vec<f64> {
+    let mut worst = vec![0.0_f64; stage.scene.carries.len()];
+    for (motion, span) in
+        stage.objects.iter().flat_map(|motion| motion.spans.iter().map(move |span| (motion, span)))
+    {
+        let Owner::Carried(hold) = &span.owner else {
+            continue;
+        };
+        for time in ticks(stage.scene.fps, [span.from, span.to]) {
+            let pose = motion.pose_at(stage.scene, stage.performance, time);
+            for grip in &hold.grips {
+                let hand = joint_at((stage.scene, result), grip.character, grip.joint, time);
+                let own = &mut worst[hold.carry];
+                *own = own.max(hand.position.distance(pose.apply(grip.point)));
+            }
+        }
+    }
+    worst
+}
+
+/// Both ends of an interval and the ticks of a clock between them.
+fn ticks(fps: f64, [from, to]: [f64; 2]) -> impl Iterator<Item = f64> {
+    let first = (from * fps).ceil();
+    let between = (0..).map(move |k| (first + f64::from(k)) / fps).take_while(move |time| *time < to);
+    [from, to].into_iter().chain(between)
 }
 
 /// Samples from one time to another, both included.
@@ -176,9 +201,14 @@ fn end_frames(scene: &Scene, when: &When) -> [f64; 2] {
     }
 }
 
-fn joint_at<P: Performance>(stage: &Stage<'_, P>, who: CharacterId, joint: JointId, time: f64) -> JointFrame {
-    let pose = stage.performance.pose(who, stage.performance.frame(who, time));
-    skeleton_of(stage.scene, who).forward_kinematics(&pose)[joint.as_usize()]
+fn joint_at(
+    (scene, performance): (&Scene, &impl Performance),
+    who: CharacterId,
+    joint: JointId,
+    time: f64,
+) -> JointFrame {
+    let pose = performance.pose(who, performance.frame(who, time));
+    skeleton_of(scene, who).forward_kinematics(&pose)[joint.as_usize()]
 }
 
 /// The time of `other` that goes with a time of `when`: at the same share of the frames of an interval.
@@ -197,8 +227,13 @@ struct Reach<'a> {
 }
 
 impl Reach<'_> {
-    /// What is reached at an own time, with its axes; and whether it comes to meet the joint.
-    fn partner<P: Performance>(&self, stage: &Stage<'_, P>, time: f64) -> (JointFrame, bool) {
+    /// What is reached at an own time, with its axes, joints of others as in `result`; and whether it comes to meet the joint.
+    fn partner<P: Performance>(
+        &self,
+        stage: &Stage<'_, P>,
+        result: &impl Performance,
+        time: f64,
+    ) -> (JointFrame, bool) {
         match &self.effector.target {
             EffectorTarget::World(position) => {
                 (JointFrame { position: *position, rotation: DQuat::IDENTITY }, false)
@@ -213,7 +248,7 @@ impl Reach<'_> {
                     .map_or(time, |other| paired_time(stage, (&self.effector.when, other), time));
                 let hands = is_hand(stage.scene, self.own, self.effector.joint)
                     && is_hand(stage.scene, *character, *joint);
-                (joint_at(stage, *character, *joint, theirs), hands)
+                (joint_at((stage.scene, result), *character, *joint, theirs), hands)
             }
         }
     }
@@ -225,9 +260,11 @@ impl Reach<'_> {
         rest: &Stage<'_, AtRest<'_>>,
         time: f64,
     ) -> (DVec3, Option<DQuat>) {
-        let (partner, meets) = self.partner(stage, time);
+        let (partner, meets) = self.partner(stage, stage.performance, time);
         let position = if meets {
-            joint_at(stage, self.own, self.effector.joint, time).position.midpoint(partner.position)
+            joint_at((stage.scene, stage.performance), self.own, self.effector.joint, time)
+                .position
+                .midpoint(partner.position)
         } else {
             partner.position
         };
@@ -235,8 +272,9 @@ impl Reach<'_> {
             Orientation::Given(turn) => partner.rotation * turn,
             Orientation::AsBefore => {
                 let before = rest.performance.time(self.own, stage.performance.frame(self.own, time));
-                let own = joint_at(rest, self.own, self.effector.joint, before).rotation;
-                partner.rotation * (self.partner(rest, before).0.rotation.inverse() * own)
+                let own =
+                    joint_at((rest.scene, rest.performance), self.own, self.effector.joint, before).rotation;
+                partner.rotation * (self.partner(rest, rest.performance, before).0.rotation.inverse() * own)
             }
         });
         (position, rotation)

@@ -91,6 +91,10 @@ enum Miss {
 fn miss(hold: Hold, stance: impl Fn(Place) -> Stance) -> Miss {
     match hold {
         Hold::Position { at, target } => Miss::Metres((stance(at).position - target).norm()),
+        Hold::Beside { at, to, from, turn, target } => {
+            let place = |place| stance(place).position;
+            Miss::Metres((place(at) - place(to) + turn * place(from) - target).norm())
+        }
         Hold::Facing { at, heading } => Miss::Radians(wrap(stance(at).heading - heading).abs()),
         Hold::Offset { at, to, offset } => {
             let partner = stance(to);

@@ -5,6 +5,7 @@ mod agree;
 use std::fmt::Write;
 use std::path::Path;
 
+use cotillion::constraint::{Constraint, ConstraintKind, Partner};
 use cotillion::edit::{EditError, Editor};
 use cotillion::export::bvh::BvhOptions;
 use cotillion::export::report::report;
@@ -20,6 +21,9 @@ const HARD: f64 = 1e-8;
 /// … and to this share of the farthest place: the facing of a posed skeleton is rounded to some 1e-13, which shows at the far
 /// end of an offset.
 const ROUNDING: f64 = 1e-12;
+
+/// Hard places beside what is carried hold to this, metres, and in degrees.
+const SETTLED: f64 = 1e-6;
 
 const MOMENTS: [&str; 7] = ["start", "end", "10", "12", "40", "41", "75"];
 const CLIPS: &str = "[clips]\nwalk = { builtin = \"walk\", stop = 1 }\nidle = \"builtin:idle\"\n\
@@ -189,8 +193,16 @@ fn perform(text: &str) -> Result<bool, TestCaseError> {
         }
     };
     let solved = editor.solve();
-    // What runs away does so on rounding, in which the backends differ.
-    if !matches!(solved, Err(EditError::Unsettled(_))) {
+    // Places beside what is carried are settled less exactly than backends agree, where somebody stands and sways;
+    // `objects.rs` compares the backends on scenes that walk.
+    let beside_load = |constraint: &Constraint| match &constraint.kind {
+        ConstraintKind::Relative { partner: Partner::Object(object), .. } => {
+            scene.carries.iter().any(|carry| carry.object == *object)
+        }
+        _ => false,
+    };
+    let settles = scene.constraints.iter().any(beside_load);
+    if !settles {
         agree::both_backends(&scene).map_err(TestCaseError::fail)?;
     }
     let edit = match solved {
@@ -215,8 +227,9 @@ fn perform(text: &str) -> Result<bool, TestCaseError> {
         // In paper mode bodies turn with their tangents, which offsets between them do not follow exactly.
         if constraint.strength == "hard" && !text.contains("mode = \"paper\"") {
             for miss in [Some(constraint.residual), constraint.path_residual, constraint.facing_residual] {
+                let least = if settles { SETTLED } else { HARD };
                 prop_assert!(
-                    miss.unwrap_or(0.0) < HARD + ROUNDING * farthest,
+                    miss.unwrap_or(0.0) < least + ROUNDING * farthest,
                     "{} of {text}",
                     constraint.name
                 );

@@ -258,8 +258,57 @@ fn inspect_prints_the_documented_keys() {
 fn the_schema_is_json_and_knows_every_table() {
     let output = cotillion(&["schema"]);
     let schema: Value = serde_json::from_slice(&output.stdout).expect("JSON");
-    for table in ["clips", "character", "object", "pin", "relative", "time", "duration", "sync", "warp"] {
+    for table in [
+        "clips",
+        "character",
+        "object",
+        "pin",
+        "relative",
+        "carry",
+        "end_effector",
+        "time",
+        "duration",
+        "sync",
+        "warp",
+        "full_body",
+    ] {
         assert!(schema["properties"][table].is_object(), "{table}");
+    }
+}
+
+#[test]
+fn what_no_stage_meets_yet_is_checked_but_not_run() {
+    let reach = "[[end_effector]]\nname = \"lamp\"\nat = \"ann:end\"\njoint = \"left_hand\"\n\
+                 target = { position = [1.0, 1.2, 4.0] }\n";
+    let home = Home::with(&format!("{SOUND}{reach}"));
+    assert_eq!(cotillion(&["check", text(&home.path("scene.toml"))]).status.code(), Some(0));
+    let output = home.run(&[]);
+    assert_eq!(output.status.code(), Some(2));
+    assert!(
+        said(&output).contains("\"lamp\": [[end_effector]] cannot be met by run yet"),
+        "{}",
+        said(&output)
+    );
+    assert!(!home.path("result").exists());
+}
+
+#[test]
+fn carries_that_overlap_end_the_run_and_are_named() {
+    let carry = |name: &str, who: &str, from: &str| {
+        format!(
+            "[[carry]]\nname = \"{name}\"\nobject = \"box\"\nby = [\"{who}\"]\nduring = [\"{who}:{from}\", \"{who}:60\"]\n"
+        )
+    };
+    let object = "[[object]]\nname = \"box\"\nsize = [0.3, 0.3, 0.3]\nposition = [0.5, 0.0]\n";
+    let home = Home::with(&format!(
+        "{SOUND}{object}{}{}",
+        carry("ann's turn", "ann", "start"),
+        carry("bo's turn", "bo", "30")
+    ));
+    let output = home.run(&[]);
+    assert_eq!(output.status.code(), Some(1));
+    for part in ["\"ann's turn\"", "\"bo's turn\"", "overlap by 1.000000 s", "[[sync]]"] {
+        assert!(said(&output).contains(part), "{part} in {}", said(&output));
     }
 }
 

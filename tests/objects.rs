@@ -7,6 +7,9 @@ use std::path::Path;
 
 use cotillion::constraint::{ConstraintKind, Strength, When};
 use cotillion::edit::{Edit, EditError, Editor, Moved, Target};
+use cotillion::export::bvh::BvhOptions;
+use cotillion::export::report::report;
+use cotillion::export::scene::scene_files;
 use cotillion::geometry::{c64, cis, plan_of, wrap};
 use cotillion::index::{CharacterId, ConstraintId};
 use cotillion::object::{Course, ObjectPose};
@@ -14,9 +17,11 @@ use cotillion::object_motion::{ObjectMotion, Owner, Performance, moment_time, ob
 use cotillion::reach::{
     JointTarget, Source, Stage, carry_targets, constrained_times, effector_residuals, effector_targets,
 };
+use cotillion::resample::resample;
 use cotillion::residual::residuals;
 use cotillion::scene::{ClipFolders, Loaded, Scene, load_text};
 use proptest::prelude::*;
+use serde_json::Value;
 
 /// What the project promises of hand-overs, metres.
 const CONTINUOUS: f64 = 1e-9;
@@ -253,6 +258,21 @@ fn owners_follow_each_other_as_the_carries_say() {
     assert_eq!(motion.spans[3].from, time(&scene.carries[1].during.1));
     let put = motion.pose_at(&scene, &moved, 1e3);
     assert!(put.position.y.abs() < 1e-3, "put_down is pick_up backwards: {}", put.position.y);
+}
+
+#[test]
+fn who_carries_comes_to_whom_the_box_is_for() {
+    let pinned = "at = \"bob/take_over:grasp\"\nposition = [2.0, 3.5]\nstrength = \"hard\"\n";
+    let text =
+        RELAY.replace("at = \"ann/hand_over:release\"\nposition = [3.2, 1.6]\nfacing = 60.0\n", pinned);
+    assert_ne!(text, RELAY);
+    let (scene, edit) = solved(&text);
+    assert_sound(&scene, &edit);
+    let release = scene.frame_of(&scene.carries[0].during.1);
+    let ann = edit.characters[0].pose(&scene.characters[0].track, release);
+    let apart = (plan_of(ann.root) - c64::new(2.0, 3.5)).norm();
+    assert!((1.0..1.3).contains(&apart), "at arm's length on either side of the box: {apart}");
+    agree::both_backends(&scene).expect("the backends agree");
 }
 
 #[test]
@@ -540,7 +560,7 @@ fn hands_that_meet_do_so_in_the_middle() {
     });
     let [own, theirs] = hands.next().expect("one moment");
     assert!(ann.positions[0].distance(own.midpoint(theirs)) < ROUNDING);
-    let missed = effector_residuals(&stage);
+    let missed = effector_residuals(&stage, &moved);
     assert!((missed[0] - own.distance(theirs)).abs() < ROUNDING);
     assert_eq!(ann.rotations.len(), 1);
     assert!(bob.rotations.is_empty());
@@ -561,6 +581,49 @@ fn a_hand_on_a_table_stays_there_and_is_turned_as_asked() {
     assert!(table.positions.iter().all(|p| p.distance(glam::DVec3::new(0.0, 0.8, -0.5)) < ROUNDING));
     let turned = table.rotations[0] * glam::DVec3::X;
     assert!(turned.distance(glam::DVec3::NEG_Z) < ROUNDING, "a quarter turn about up: {turned}");
+}
+
+#[test]
+fn reports_tell_who_has_what_and_what_is_not_reached() {
+    let told = |text: &str| {
+        let (scene, edit) = solved(text);
+        let resampled = resample(&scene, &edit).expect("a result of usual length");
+        let files = scene_files(&scene, &edit, &resampled, &BvhOptions::default());
+        let svg = files.iter().find(|file| file.name == "scene.svg").expect("a picture");
+        let svg = String::from_utf8(svg.bytes.clone()).expect("text");
+        (serde_json::to_value(report(&scene, &edit, &resampled)).expect("JSON"), svg)
+    };
+    let (relay, svg) = told(RELAY);
+    for meaning in ["way of an object", "grasped", "released"] {
+        assert!(svg.contains(meaning), "{meaning}");
+    }
+    let objects = relay["objects"].as_array().expect("objects");
+    let owners = objects[0]["owners"].as_array().expect("owners");
+    let kinds: Vec<&str> = owners.iter().filter_map(|owner| owner["kind"].as_str()).collect();
+    assert_eq!(kinds, ["itself", "carried", "carried", "left"]);
+    assert_eq!(owners[1]["by"], serde_json::json!(["ann"]));
+    assert!(owners.windows(2).all(|pair| pair[0]["to"] == pair[1]["from"]));
+    assert_eq!(owners[0]["from"], relay["start_time"]);
+    let carry = relay["constraints"].as_array().and_then(|all| all.iter().find(|one| one["name"] == "first"));
+    let off = carry.and_then(|carry| carry["residual"].as_f64()).expect("hands are measured");
+    assert!(off < 0.05, "clips of boxes of one width hold them so far apart: {off}");
+    let path = objects[0]["path"].as_array().expect("a path");
+    assert_eq!(path[path.len() - 1]["time"], owners[3]["to"]);
+    let straight = c64::new(0.6, 0.0) - c64::new(5.5, 0.5);
+    let length = objects[0]["path_length"].as_f64().expect("metres");
+    assert!(length > straight.norm() - 1.0 && length < 3.0 * straight.norm(), "{length}");
+    assert_eq!(objects[1]["owners"].as_array().map(Vec::len), Some(1), "the cart is by itself");
+
+    let (slap, _) = told(SLAP);
+    assert_eq!(slap["objects"][0]["path"].as_array().map(Vec::len), Some(1), "the table stands");
+    let constraints = slap["constraints"].as_array().expect("constraints");
+    let reach = &constraints[constraints.len() - 1];
+    assert_eq!((&reach["kind"], &reach["unit"]), (&"end_effector".into(), &"m".into()));
+    assert!(reach["shortfall"].as_f64() > Some(0.1), "nobody has moved the hand yet: {reach}");
+    assert_eq!(reach["shortfall"], reach["residual"]);
+    assert!(reach.get("strength").is_none());
+    let names: Vec<&Value> = slap["moments"].as_array().into_iter().flatten().map(|m| &m["name"]).collect();
+    assert!(names.contains(&&Value::from("ann:start")), "moments of reaches are told: {names:?}");
 }
 
 #[test]

@@ -10,7 +10,6 @@ use crate::constraint::{Constraint, ConstraintKind, Relation};
 use crate::edit::energy::{Energy, Extent, length};
 use crate::edit::error::{EditError, Named};
 use crate::edit::expand::{Following, expand, retarget};
-use crate::edit::facing::Turns;
 use crate::edit::groups::{Group, for_each_stale, spatial_groups, temporal_groups};
 use crate::edit::hold::{Hold, Phase};
 use crate::edit::moved::EditedCharacter;
@@ -97,12 +96,7 @@ impl Editor {
         let expansion = expand(&scene, &rests);
         let (spatial, held) = spatial_groups(&rests, &expansion.held, settings, backend);
         let (temporal, times) = temporal_groups(step_bounds(&scene), &rests, &expansion.times);
-        let characters = rests.into_iter().map(|rest| EditedCharacter {
-            positions: rest.positions.clone(),
-            turns: Turns { along_path: vec![0.0; rest.len()], ..Turns::default() },
-            times: (0..rest.len()).map(|frame| frame as f64 * WORKING_STEP).collect(),
-            rest,
-        });
+        let characters = rests.into_iter().map(EditedCharacter::at_rest);
         let edit = Edit { characters: characters.collect(), energy: Energy::default(), notes: Vec::new() };
         let extents = edit.characters.iter().map(extent).collect();
         let following = expansion.following.iter().map(|row| (*row, expansion.held[row.row].hold)).collect();

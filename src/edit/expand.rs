@@ -263,14 +263,8 @@ fn pairs<'a>(scene: &Scene, when: &When, partner: &'a Partner) -> Vec<PairSample
 
 /// The instant at a track frame, with what the rest motion says there.
 fn place(scene: &Scene, rests: &[RestPath], when: &When, frame: f64) -> Place {
-    let who = when.character();
-    place_at(scene, &rests[who.as_usize()], who, frame)
-}
-
-/// The instant at a frame of a character's track, with what its rest motion says there.
-pub fn place_at(scene: &Scene, rest: &RestPath, who: CharacterId, frame: f64) -> Place {
-    let path = who.as_usize();
-    let track = &scene.characters[path].track;
+    let path = when.character().as_usize();
+    let (track, rest) = (&scene.characters[path].track, &rests[path]);
     let whole = (frame - frame.round()).abs() < 1e-9 && frame.round() < rest.len() as f64;
     let frame = if whole { frame.round() } else { frame };
     let detail = if whole {
@@ -294,7 +288,7 @@ pub fn retarget(row: &mut HeldRow, scene: &Scene) -> bool {
             match &mut row.hold {
                 Hold::Position { target, .. } => *target = position.unwrap_or(*target),
                 Hold::Facing { heading, .. } => *heading = facing.unwrap_or(*heading),
-                Hold::Offset { .. } | Hold::RelativeFacing { .. } => {}
+                Hold::Offset { .. } | Hold::RelativeFacing { .. } | Hold::Beside { .. } => {}
             }
             false
         }
@@ -302,7 +296,7 @@ pub fn retarget(row: &mut HeldRow, scene: &Scene) -> bool {
             match &mut row.hold {
                 Hold::Offset { offset: own, .. } => replace(own, offset),
                 Hold::RelativeFacing { angle, .. } => replace(angle, facing),
-                Hold::Position { .. } | Hold::Facing { .. } => false,
+                Hold::Position { .. } | Hold::Facing { .. } | Hold::Beside { .. } => false,
             }
         }
         ConstraintKind::Relative { offset, facing, partner: Partner::Object(object), .. } => {

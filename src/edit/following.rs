@@ -1,12 +1,19 @@
 //! Rows relative to objects that move. Where a keyframed object is follows from the time of the row; a carried one is
-//! where its carrier is, so that the row becomes one relative to the carrier. Source: Kim et al. 2009, §4.3 (objects).
+//! where its carrier has brought it, so that the row becomes one relative to the carrier. Source: Kim et al. 2009, §4.3.
 //!
-//! How far a carried object is from its carrier depends on where both were when it was grasped, and so on the edit
-//! itself: the editor solves, reads it off, and solves again until nothing changes.
+//! There the object keeps its place relative to the carrier. But a carrier who is elsewhere at the grasp holds the object
+//! otherwise: moving the carrier's whole path does not move it. So the row counts from the grasp on,
+//!
+//! ```text
+//!     o(t) = p(t) + e^{iρ} (o(t₀) − p(t₀))        p: carrier, t₀: grasp, ρ: turn of the object since
+//! ```
+//!
+//! with ρ and `o(t₀)`, which other carriers may have brought there, as on the present paths: the editor solves, reads them
+//! off, and solves again until nothing changes.
 
 use crate::constraint::{ConstraintKind, Relation};
-use crate::edit::expand::{Following, Wanted, place_at};
-use crate::edit::hold::Hold;
+use crate::edit::expand::{Following, Wanted};
+use crate::edit::hold::{Hold, Place};
 use crate::edit::moved::Moved;
 use crate::geometry::{c64, cis, wrap};
 use crate::index::CharacterId;
@@ -19,15 +26,6 @@ use crate::path;
 pub struct OwnLoad {
     /// The carry, by position in the scene.
     pub carry: usize,
-}
-
-/// Who gives way where somebody must be beside a carried object.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Ties {
-    /// They and the carrier.
-    Both,
-    /// They alone.
-    OneWay,
 }
 
 /// What a constraint wants of one of its rows: its own value, or the one before the edit.
@@ -62,20 +60,22 @@ fn time_of_row(moved: &Moved<'_>, following: &Following) -> f64 {
     moved.time(CharacterId::from_usize(following.at.path), following.at.frame)
 }
 
-/// The row as the solver takes it: in the world as long as nobody has carried the object, else relative to whoever carries
-/// it, or carried it last, at that frame; one way, always in the world.
+/// The row as the solver takes it: in the world as long as nobody has carried the object. Then a place is held together
+/// with the carrier's path from the grasp to that frame, or to the release, as only this moves the object; what the object
+/// was like at the grasp, and how it is turned, is taken as it is on the present paths.
 ///
 /// # Errors
-/// [`OwnLoad`] where that is the one whom the row holds.
+/// [`OwnLoad`] where the carrier is the one whom the row holds.
 pub fn follow(
     moved: &Moved<'_>,
     motions: &[ObjectMotion],
     following: &Following,
-    (wanted, ties): (Wanted, Ties),
+    wanted: Wanted,
 ) -> Result<Hold, OwnLoad> {
+    let motion = &motions[following.object.as_usize()];
     let pose = object_pose(moved, motions, following);
     let seconds = time_of_row(moved, following);
-    let span = motions[following.object.as_usize()].span_before(seconds);
+    let span = motion.span_before(seconds);
     let (carry, seconds) = match &span.owner {
         Owner::Itself => return Ok(in_the_world(following, wanted, pose)),
         Owner::Carried(hold) => (hold.carry, seconds),
@@ -88,31 +88,38 @@ pub fn follow(
         (None, Owner::Left { .. }) => carriers[0],
         (None, _) => return Err(OwnLoad { carry }),
     };
-    if ties == Ties::OneWay {
+    let Wanted::Offset(offset) = wanted else {
         return Ok(in_the_world(following, wanted, pose));
-    }
-    let body = &moved.characters[carrier.as_usize()];
-    let to = place_at(moved.scene, &body.rest, carrier, moved.frame(carrier, seconds));
-    let turn = body.turns.at(to.frame);
-    let (root, heading) = (path::at(&body.positions, to.frame) + cis(turn) * to.detail, to.heading + turn);
-    let at = following.at;
-    Ok(match wanted {
-        Wanted::Offset(offset) => {
-            Hold::Offset { at, to, offset: (pose.beside(offset) - root) * cis(-heading) }
-        }
-        Wanted::Facing(angle) => Hold::RelativeFacing { at, to, angle: wrap(pose.facing + angle - heading) },
-    })
+    };
+    let grasp = motion.grasped(carry).min(seconds);
+    let on_path = |seconds: f64| {
+        let path = carrier.as_usize();
+        let place =
+            Place { path, frame: moved.frame(carrier, seconds), heading: 0.0, detail: c64::default() };
+        (place, path::at(&moved.characters[path].positions, place.frame))
+    };
+    let ((to, there), (from, then)) = (on_path(seconds), on_path(grasp));
+    let turn = cis(pose.facing - motion.pose_at(moved.scene, moved, grasp).facing);
+    let target = pose.beside(offset) - there + turn * then;
+    Ok(Hold::Beside { at: following.at, to, from, turn, target })
 }
 
 /// Whether two rows bind the same frames, with other numbers at most.
 pub fn alike(a: &Hold, b: &Hold) -> bool {
-    std::mem::discriminant(a) == std::mem::discriminant(b) && a.at() == b.at() && a.to() == b.to()
+    match (a, b) {
+        (Hold::Beside { at: a, to: b, from: c, .. }, Hold::Beside { at: d, to: e, from: f, .. }) => {
+            (a, b, c) == (d, e, f)
+        }
+        _ => std::mem::discriminant(a) == std::mem::discriminant(b) && a.at() == b.at() && a.to() == b.to(),
+    }
 }
 
-/// The numbers of a row: metres, or radians.
+/// The numbers of a row, two each: metres, or radians and nothing.
 pub fn numbers(hold: &Hold) -> [f64; 2] {
     match hold {
-        Hold::Position { target: point, .. } | Hold::Offset { offset: point, .. } => [point.re, point.im],
+        Hold::Position { target: point, .. }
+        | Hold::Beside { target: point, .. }
+        | Hold::Offset { offset: point, .. } => [point.re, point.im],
         Hold::Facing { heading: angle, .. } | Hold::RelativeFacing { angle, .. } => [*angle, 0.0],
     }
 }
@@ -123,13 +130,30 @@ pub fn step(from: &Hold, to: &Hold) -> [f64; 2] {
     if from.is_direction() { [wrap(c - a), 0.0] } else { [c - a, d - b] }
 }
 
-/// Gives a row other numbers; whether that changes coefficients rather than a target.
-pub fn renumber(hold: &mut Hold, [a, b]: [f64; 2]) -> bool {
-    match hold {
-        Hold::Position { target, .. } => *target = c64::new(a, b),
-        Hold::Facing { heading, .. } => *heading = a,
-        Hold::Offset { offset, .. } => *offset = c64::new(a, b),
-        Hold::RelativeFacing { angle, .. } => *angle = a,
+/// The row `like` with other numbers.
+pub fn with_numbers(like: &Hold, [a, b]: [f64; 2]) -> Hold {
+    let mut hold = *like;
+    match &mut hold {
+        Hold::Position { target: point, .. }
+        | Hold::Beside { target: point, .. }
+        | Hold::Offset { offset: point, .. } => *point = c64::new(a, b),
+        Hold::Facing { heading: angle, .. } | Hold::RelativeFacing { angle, .. } => *angle = a,
     }
-    matches!(hold, Hold::Offset { .. } | Hold::RelativeFacing { .. })
+    hold
+}
+
+/// Gives the row `own`, whose paths may be numbered otherwise, the numbers of `new`; whether a coefficient changes and not
+/// its target alone.
+pub fn adopt(own: &mut Hold, new: &Hold) -> bool {
+    let coefficient = match (&mut *own, new) {
+        (Hold::Beside { turn: own, .. }, Hold::Beside { turn: new, .. }) => {
+            let changed = own != new;
+            *own = *new;
+            changed
+        }
+        (Hold::Offset { .. } | Hold::RelativeFacing { .. }, _) => true,
+        _ => false,
+    };
+    *own = with_numbers(own, numbers(new));
+    coefficient
 }

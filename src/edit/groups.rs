@@ -91,7 +91,7 @@ pub fn spatial_groups(
     settings: SpatialSettings,
     backend: Backend,
 ) -> Grouped<SpatialComponent> {
-    let links = held.iter().filter_map(|row| row.hold.to().map(|to| (row.hold.at().path, to.path)));
+    let links = held.iter().filter_map(|row| row.hold.partner().map(|to| (row.hold.at().path, to)));
     let groups = connected(rests.len(), links);
     let places = places(&groups, rests.len());
     let mut rows: Vec<Vec<Prepared>> = vec![Vec::new(); groups.len()];

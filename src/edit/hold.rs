@@ -48,6 +48,20 @@ pub enum Hold {
         /// Ahead + i·left of the partner's body facing, metres.
         offset: c64,
     },
+    /// Somebody is beside what somebody else has carried from one instant to another:
+    /// `p_at − p_to + turn·p_from = target`. How the path bends between the two is in `turn`.
+    Beside {
+        /// Who and when.
+        at: Place,
+        /// The carrier at that time, or at the release; on the path itself, whatever the pose.
+        to: Place,
+        /// The carrier at the grasp, likewise.
+        from: Place,
+        /// Unit rotation of what is carried from the grasp to then.
+        turn: c64,
+        /// Metres.
+        target: c64,
+    },
     /// Somebody faces at an angle to somebody else's facing.
     RelativeFacing {
         /// Who and when.
@@ -119,15 +133,24 @@ impl Hold {
             Self::Position { at, .. }
             | Self::Facing { at, .. }
             | Self::Offset { at, .. }
+            | Self::Beside { at, .. }
             | Self::RelativeFacing { at, .. } => *at,
         }
     }
 
-    /// The partner's instant.
+    /// The instant of a partner whose body tells a direction.
     pub fn to(&self) -> Option<Place> {
         match self {
-            Self::Position { .. } | Self::Facing { .. } => None,
+            Self::Position { .. } | Self::Facing { .. } | Self::Beside { .. } => None,
             Self::Offset { to, .. } | Self::RelativeFacing { to, .. } => Some(*to),
+        }
+    }
+
+    /// The path of the partner, where there is one.
+    pub fn partner(&self) -> Option<usize> {
+        match self {
+            Self::Beside { to, .. } => Some(to.path),
+            _ => self.to().map(|to| to.path),
         }
     }
 
@@ -257,6 +280,11 @@ impl Prepared {
                 at.path = number(at.path);
                 to.path = number(to.path);
             }
+            Hold::Beside { at, to, from, .. } => {
+                for place in [at, to, from] {
+                    place.path = number(place.path);
+                }
+            }
         }
         self
     }
@@ -291,6 +319,11 @@ impl Prepared {
         };
         match self.row.hold {
             Hold::Position { at, .. } => point(at, self.at, one),
+            Hold::Beside { at, to, from, turn, .. } => {
+                point(at, self.at, one);
+                add_point(&mut terms, to.path, to.frame, counts[to.path], -one);
+                add_point(&mut terms, from.path, from.frame, counts[from.path], turn);
+            }
             Hold::Facing { at, .. } => {
                 if let Some(direction) = self.at {
                     direction.add(&mut terms, at.path, counts[at.path], one);
@@ -324,7 +357,9 @@ impl Prepared {
             if follows && direction.is_some() { c64::default() } else { rotation * place.detail }
         };
         match self.row.hold {
-            Hold::Position { at, target } => target - detail(at, self.at, rotations.at),
+            Hold::Position { at, target } | Hold::Beside { at, target, .. } => {
+                target - detail(at, self.at, rotations.at)
+            }
             Hold::Facing { at, heading } => {
                 self.at.map_or(c64::default(), |own| own.rest * cis(heading - at.heading))
             }

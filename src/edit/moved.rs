@@ -1,5 +1,6 @@
 //! The edited motion of a character at any instant: when a frame is shown, and the pose there.
 
+use crate::clip::working::WORKING_STEP;
 use crate::edit::facing::Turns;
 use crate::geometry::c64;
 use crate::geometry::{cis, plan_of, world_of, yaw};
@@ -40,6 +41,16 @@ pub fn time_of(times: &[f64], frame: f64) -> f64 {
 }
 
 impl EditedCharacter {
+    /// The motion before an edit.
+    pub fn at_rest(rest: RestPath) -> Self {
+        Self {
+            positions: rest.positions.clone(),
+            turns: Turns { along_path: vec![0.0; rest.len()], ..Turns::default() },
+            times: (0..rest.len()).map(|frame| frame as f64 * WORKING_STEP).collect(),
+            rest,
+        }
+    }
+
     /// Scene time of the last frame of the track, seconds.
     pub fn end_time(&self, track: &Track) -> f64 {
         time_of(&self.times, track.frame_count() as f64 - 1.0 + track.overhang())

@@ -25,7 +25,15 @@ pub fn reference_translations<'a>(
     for (row, prepared) in held.iter().enumerate() {
         let rotations = rotations(row);
         match prepared.row.hold {
-            Hold::Position { at, target } => {
+            Hold::Position { at, .. } | Hold::Beside { at, .. } => {
+                let target = match prepared.row.hold {
+                    Hold::Position { target, .. } => target,
+                    Hold::Beside { to, from, turn, target, .. } => {
+                        let on_path = |place: Place| path::at(path(place.path), place.frame);
+                        target + on_path(to) - turn * on_path(from)
+                    }
+                    _ => continue,
+                };
                 let (rank, weight) = match prepared.row.strength {
                     Strength::Hard => (0, 1.0),
                     Strength::Soft(weight) => (1, weight),

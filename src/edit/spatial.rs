@@ -233,7 +233,7 @@ impl SpatialComponent {
                     rotations.at = own;
                 }
                 (_, Hold::Facing { at, heading }) => rotations.at = cis(heading - at.heading),
-                (_, Hold::Position { .. } | Hold::Offset { .. }) => {}
+                (_, Hold::Position { .. } | Hold::Offset { .. } | Hold::Beside { .. }) => {}
             }
         }
         let partners = self.update_body_partners();

@@ -6,13 +6,12 @@ use crate::clip::Clip;
 use crate::constraint::Strength;
 use crate::edit::energy::{Energy, length};
 use crate::edit::{Edit, EditedCharacter, Moved};
-use crate::effector::EndEffector;
 use crate::embody::Embodied;
 use crate::geometry::{c64, wrap};
 use crate::index::floor_index;
 use crate::metrics::foot_slide;
 use crate::object_motion::{ObjectMotion, Owner, object_motions};
-use crate::reach::{REACHED, Stage, effector_residuals};
+use crate::reach::{REACHED, Stage, carry_residuals, effector_residuals};
 use crate::resample::{Resampled, rest_clip, shown_contacts, time_of};
 use crate::residual::{MomentTime, Residual, largest, moment_times, residuals};
 use crate::scene::{Character, Scene};
@@ -37,7 +36,7 @@ pub struct Report {
     pub characters: Vec<CharacterReport>,
     /// As in the scene.
     pub objects: Vec<ObjectReport>,
-    /// As in the scene, end effectors last.
+    /// As in the scene; then carries, by where their hands are, and end effectors.
     pub constraints: Vec<ConstraintReport>,
     /// Moments that constraints name.
     pub moments: Vec<MomentReport>,
@@ -143,9 +142,9 @@ pub struct OwnerReport {
 pub struct ConstraintReport {
     /// Its name.
     pub name: String,
-    /// `pin`, `relative`, `time`, `duration`, `sync`, `end_effector`.
+    /// `pin`, `relative`, `time`, `duration`, `sync`, `carry`, `end_effector`.
     pub kind: &'static str,
-    /// `"hard"`, or the weight; end effectors have none.
+    /// `"hard"`, or the weight; carries and end effectors have none.
     #[serde(skip_serializing_if = "serde_json::Value::is_null")]
     pub strength: serde_json::Value,
     /// On the final motion, at the moments themselves.
@@ -158,7 +157,7 @@ pub struct ConstraintReport {
     /// Of a held facing, degrees.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub facing_residual: Option<f64>,
-    /// Of an end effector that is not reached, metres.
+    /// Of a carry or an end effector whose hands do not reach it, metres.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub shortfall: Option<f64>,
 }
@@ -194,8 +193,10 @@ pub fn report(embodied: &Embodied<'_>, edit: &Edit, resampled: &Resampled) -> Re
     let clock = (scene.fps, resampled.start_time);
     let moved = Moved { scene, characters: &edit.characters };
     let objects = object_motions(scene, &moved);
-    let reached = effector_residuals(&Stage { scene, performance: embodied, objects: &objects });
-    let effectors = scene.end_effectors.iter().zip(reached);
+    let stage = Stage { scene, performance: &moved, objects: &objects };
+    let carries = scene.carries.iter().map(|carry| &carry.name).zip(carry_residuals(&stage, embodied));
+    let effectors = scene.end_effectors.iter().map(|reach| &reach.name);
+    let effectors = effectors.zip(effector_residuals(&stage, embodied));
     Report {
         scene: scene.title.clone(),
         cotillion: env!("CARGO_PKG_VERSION"),
@@ -207,7 +208,8 @@ pub fn report(embodied: &Embodied<'_>, edit: &Edit, resampled: &Resampled) -> Re
         objects: objects.iter().map(|motion| object_report(&moved, motion, resampled)).collect(),
         constraints: constraints
             .map(|(constraint, residual)| constraint_report(constraint, &residual))
-            .chain(effectors.map(|(effector, residual)| effector_report(effector, residual)))
+            .chain(carries.map(|(name, residual)| hands_report(name, "carry", residual)))
+            .chain(effectors.map(|(name, residual)| hands_report(name, "end_effector", residual)))
             .collect(),
         moments: moment_times(scene, edit)
             .into_iter()
@@ -264,10 +266,11 @@ fn constraint_report(constraint: &crate::constraint::Constraint, residual: &Resi
     }
 }
 
-fn effector_report(effector: &EndEffector, residual: f64) -> ConstraintReport {
+/// What hands must reach, and by how much they miss it, metres.
+fn hands_report(name: &str, kind: &'static str, residual: f64) -> ConstraintReport {
     ConstraintReport {
-        name: effector.name.clone(),
-        kind: "end_effector",
+        name: name.to_owned(),
+        kind,
         strength: serde_json::Value::Null,
         residual,
         unit: "m",

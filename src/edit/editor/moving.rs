@@ -4,7 +4,7 @@ use super::{Editor, named};
 use crate::edit::error::{EditError, Named};
 use crate::edit::expand::{Following, expand};
 use crate::edit::facing::Turns;
-use crate::edit::following::{OwnLoad, Ties, alike, follow, numbers, renumber, step, wanted};
+use crate::edit::following::{OwnLoad, adopt, alike, follow, numbers, step, wanted, with_numbers};
 use crate::edit::groups::{Group, spatial_groups};
 use crate::edit::hold::Hold;
 use crate::edit::mixing::Mixer;
@@ -18,13 +18,13 @@ use crate::scene::Scene;
 const ROUNDS: usize = 20;
 /// They stay where nothing changes by more than this, metres or radians.
 const SETTLED: f64 = 1e-11;
-/// They do not stay where the last attempt still changes this much.
-const UNSETTLED: f64 = 1e-7;
+/// Where somebody stands, a small shift turns their body much, and solves are not as exact: after the last attempt they
+/// stay if this changes no more.
+const UNSETTLED: f64 = 1e-8;
 
 impl Editor {
     /// Solves paths while objects move: keyframed ones are where the times say, and what is held relative to carried ones
-    /// is solved until it stays. It begins from rest, so that the result does not depend on earlier targets. Where carriers
-    /// have nothing else to hold them, moving them to the places held need not come to an end: then these follow alone.
+    /// is solved until it stays. It begins from rest, so that the result does not depend on earlier targets.
     pub(super) fn solve_with_objects(&mut self) -> Result<(), EditError> {
         let moved = Moved { scene: &self.scene, characters: &self.edit.characters };
         if let Some(Overlap { first, second, seconds }) = overlap(&self.scene, &moved) {
@@ -36,27 +36,13 @@ impl Editor {
         }
         let carried = |row: &Following| self.scene.carries.iter().any(|carry| carry.object == row.object);
         let settles = self.following.iter().any(|(row, _)| carried(row));
-        if !settles {
-            return self.settle(Ties::Both, 1);
-        }
-        let rounds = ROUNDS + 2 * self.following.len();
-        match self.settle(Ties::Both, rounds) {
-            Err(error) if !matches!(error, EditError::OwnLoad { .. }) => {
-                self.settle(Ties::OneWay, rounds).map_err(|_| error)
-            }
-            settled => settled,
-        }
-    }
-
-    /// Solves, reads off where objects are, and solves again until nothing changes.
-    fn settle(&mut self, ties: Ties, rounds: usize) -> Result<(), EditError> {
-        let settles = rounds > 1;
         if settles {
             self.begin_at_rest();
         }
+        let rounds = if settles { ROUNDS + 2 * self.following.len() } else { 1 };
         let (mut mixer, mut apart) = (Mixer::default(), f64::INFINITY);
         for round in 0..rounds {
-            let read = self.read_objects(ties)?;
+            let read = self.read_objects()?;
             let settled = if settles && round > 0 { SETTLED } else { 0.0 };
             apart = self.furthest(&read);
             if round > 0 && apart <= settled {
@@ -67,14 +53,23 @@ impl Editor {
                 mixer = Mixer::default();
             } else if round == 0 {
                 // What was read at rest is no answer to the present numbers.
-                self.renumber(&read.iter().flat_map(numbers).collect::<Vec<_>>());
+                self.renumber(&read);
             } else {
                 let present: Vec<f64> = self.following.iter().flat_map(|(_, hold)| numbers(hold)).collect();
                 let pairs = self.following.iter().zip(&read);
                 let steps: Vec<f64> = pairs.flat_map(|((_, old), new)| step(old, new)).collect();
-                self.renumber(&mixer.next(&present, &steps));
+                let mixed = mixer.next(&present, &steps);
+                let mixed =
+                    mixed.chunks_exact(2).zip(&read).map(|(own, like)| with_numbers(like, [own[0], own[1]]));
+                self.renumber(&mixed.collect::<Vec<_>>());
             }
-            self.solve_space()?;
+            match self.solve_space() {
+                // What runs away ends where numbers do, whatever the solver says of it.
+                Err(EditError::Solver { .. }) if round > 0 => {
+                    return Err(EditError::Unsettled(self.followers()));
+                }
+                solved => solved?,
+            }
             if settles {
                 self.take_paths();
             }
@@ -106,14 +101,14 @@ impl Editor {
     }
 
     /// Rows relative to objects that move as these are on the present paths.
-    fn read_objects(&self, ties: Ties) -> Result<Vec<Hold>, EditError> {
+    fn read_objects(&self) -> Result<Vec<Hold>, EditError> {
         let moved = Moved { scene: &self.scene, characters: &self.edit.characters };
         let motions = object_motions(&self.scene, &moved);
         let read = |(row, _): &(Following, Hold)| {
             let (group, place) = self.held[row.row];
             let constraint = self.spatial[group].component.held[place].row.constraint;
             let wanted = wanted(&self.scene.constraints[constraint.as_usize()].kind, row.before);
-            follow(&moved, &motions, row, (wanted, ties)).map_err(|OwnLoad { carry }| {
+            follow(&moved, &motions, row, wanted).map_err(|OwnLoad { carry }| {
                 let constraint = named(&self.scene, constraint);
                 EditError::OwnLoad { constraint, carry: carry_named(&self.scene, carry) }
             })
@@ -134,19 +129,15 @@ impl Editor {
         pairs.map(apart).fold(0.0, f64::max)
     }
 
-    /// Gives rows relative to objects that move their numbers, two each.
-    fn renumber(&mut self, all: &[f64]) {
+    /// Gives rows relative to objects that move other numbers.
+    fn renumber(&mut self, all: &[Hold]) {
         let mut changed = Vec::new();
-        for ((row, hold), own) in self.following.iter_mut().zip(all.chunks_exact(2)) {
-            let own = [own[0], own[1]];
-            if numbers(hold) == own {
-                continue;
-            }
-            renumber(hold, own);
+        for ((row, hold), new) in self.following.iter_mut().zip(all).filter(|((_, old), new)| old != *new) {
+            *hold = *new;
             let (group, place) = self.held[row.row];
             let Group { component, stale, .. } = &mut self.spatial[group];
             *stale = true;
-            if renumber(&mut component.held[place].row.hold, own) {
+            if adopt(&mut component.held[place].row.hold, new) {
                 changed.push(group);
             }
         }
