@@ -79,7 +79,8 @@ pub fn arms(skeleton: &Skeleton) -> [Option<Chain>; 2] {
 fn chain(skeleton: &Skeleton, roles: [JointRole; 3], end: Option<BodyPoint>) -> Option<Chain> {
     let [upper, middle, lower] = roles.map(|role| skeleton.joint_of(role));
     let (upper, middle, lower) = (upper?, middle?, lower?);
-    let is_chain = upper != JointId(0) && is_below(skeleton, middle, upper) && is_below(skeleton, lower, middle);
+    let is_chain =
+        upper != JointId(0) && is_below(skeleton, middle, upper) && is_below(skeleton, lower, middle);
     let end = end.unwrap_or(BodyPoint { joint: lower, local: DVec3::ZERO });
     is_chain.then_some(Chain { upper, middle, lower, end })
 }
@@ -127,9 +128,7 @@ fn frame_from(
         return *from;
     }
     match skeleton.joints[joint.as_usize()].parent {
-        Some(parent) => {
-            below(skeleton, pose, joint, &frame_from(skeleton, pose, parent, (ancestor, from)))
-        }
+        Some(parent) => below(skeleton, pose, joint, &frame_from(skeleton, pose, parent, (ancestor, from))),
         None => *from,
     }
 }
@@ -152,8 +151,7 @@ impl Chain {
     /// Turns the limb, which is at `from` in `pose`, so that its middle joint comes to `middle` and its lower one to
     /// `to`, by the smallest turns of both bones.
     pub fn turn(&self, skeleton: &Skeleton, pose: &mut Pose, from: &Place, middle: DVec3, to: &EndPose) {
-        let upper_turn =
-            minimal_rotation(from.limb.middle - from.limb.upper, middle - from.limb.upper);
+        let upper_turn = minimal_rotation(from.limb.middle - from.limb.upper, middle - from.limb.upper);
         let carried = upper_turn * (from.limb.lower - from.limb.middle);
         let lower_turn = minimal_rotation(carried, to.position - middle);
         turn_in_world(skeleton, pose, self.upper, upper_turn);

@@ -43,7 +43,13 @@ impl Effector {
     }
 
     /// What `limb` (the whole body without one) asks of the place of the body at sample `at`, where it is in `pose`.
-    pub fn demand(&self, skeleton: &Skeleton, limb: Option<&Chain>, pose: &Pose, at: usize) -> Option<Demand> {
+    pub fn demand(
+        &self,
+        skeleton: &Skeleton,
+        limb: Option<&Chain>,
+        pose: &Pose,
+        at: usize,
+    ) -> Option<Demand> {
         let target = self.at(at)?;
         let Some(limb) = limb else {
             let hip = world_frame(skeleton, pose, self.joint).position;

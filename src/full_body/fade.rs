@@ -138,7 +138,12 @@ mod tests {
         let mut track = vec![[DVec3::ZERO]; 20];
         track[..5].fill([DVec3::X]);
         track[15..].fill([DVec3::Y]);
-        fill(&times, &[Span { first: 0, last: 4 }, Span { first: 15, last: 19 }], (10.0 / 30.0, Slopes::Kept), &mut track);
+        fill(
+            &times,
+            &[Span { first: 0, last: 4 }, Span { first: 15, last: 19 }],
+            (10.0 / 30.0, Slopes::Kept),
+            &mut track,
+        );
         for value in &track[5..15] {
             assert!((value[0].x + value[0].y - 1.0).abs() < 1e-12);
         }

@@ -37,11 +37,22 @@ pub fn level<const N: usize>(times: &[f64], samples: &[Sample<N>], spacing: f64)
     Spline::fit(start, start + spans as f64 * spacing, spans, samples)
 }
 
+/// Displacements of single samples, in the order of time, blended out over [`BLEND`] beside them.
+pub fn blended<const N: usize>(times: &[f64], exact: &[(usize, [DVec3; N])]) -> Vec<[DVec3; N]> {
+    let mut displacements = vec![[DVec3::ZERO; N]; times.len()];
+    let mut labels = vec![false; times.len()];
+    for (at, value) in exact {
+        displacements[*at] = *value;
+        labels[*at] = true;
+    }
+    fill(times, &spans(&labels), (BLEND, Slopes::Level), &mut displacements);
+    displacements
+}
+
 /// Brings the ends on `limb` to the targets of `effectors` (all of this limb) in `poses`. Cost: linear in samples.
 pub fn bring(skeleton: &Skeleton, times: &[f64], limb: &Chain, effectors: &[&Effector], poses: &mut [Pose]) {
-    let constrained: Vec<usize> = (0..times.len())
-        .filter(|&at| effectors.iter().any(|effector| effector.at(at).is_some()))
-        .collect();
+    let constrained: Vec<usize> =
+        (0..times.len()).filter(|&at| effectors.iter().any(|effector| effector.at(at).is_some())).collect();
     if constrained.is_empty() {
         return;
     }
@@ -52,23 +63,20 @@ pub fn bring(skeleton: &Skeleton, times: &[f64], limb: &Chain, effectors: &[&Eff
         if constrained.iter().all(|&at| task.distance(&poses[at], at) < CLOSE) {
             break;
         }
-        let samples: Vec<Sample<9>> = constrained
-            .iter()
-            .map(|&at| sample(times[at], &task.displacement(&poses[at], at)))
-            .collect();
+        let samples: Vec<Sample<9>> =
+            constrained.iter().map(|&at| sample(times[at], &task.displacement(&poses[at], at))).collect();
         let spline = level(times, &samples, spacing);
         for (pose, time) in poses.iter_mut().zip(times) {
             let value = spline.at(*time);
-            task.apply(pose, &std::array::from_fn(|joint| DVec3::from_slice(&value[3 * joint..3 * joint + 3])));
+            task.apply(
+                pose,
+                &std::array::from_fn(|joint| DVec3::from_slice(&value[3 * joint..3 * joint + 3])),
+            );
         }
     }
-    let mut exact = vec![[DVec3::ZERO; 3]; times.len()];
-    let mut labels = vec![false; times.len()];
-    for at in constrained {
-        exact[at] = task.displacement(&poses[at], at);
-        labels[at] = true;
-    }
-    fill(times, &spans(&labels), (BLEND, Slopes::Level), &mut exact);
+    let exact: Vec<(usize, [DVec3; 3])> =
+        constrained.iter().map(|&at| (at, task.displacement(&poses[at], at))).collect();
+    let exact = blended(times, &exact);
     for (pose, turns) in poses.iter_mut().zip(&exact) {
         task.apply(pose, turns);
     }

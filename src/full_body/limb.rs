@@ -67,7 +67,9 @@ impl Limb {
     /// The bend with which it spans `distance` between its ends, metres; straight or folded beyond what it spans.
     pub fn bend_at(&self, distance: f64) -> f64 {
         let [upper, lower] = self.lengths();
-        ((distance * distance - upper * upper - lower * lower) / (2.0 * upper * lower)).clamp(-1.0, 1.0).acos()
+        ((distance * distance - upper * upper - lower * lower) / (2.0 * upper * lower))
+            .clamp(-1.0, 1.0)
+            .acos()
     }
 
     /// The distance of its ends, metres, at a bend.

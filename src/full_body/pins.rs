@@ -165,8 +165,10 @@ fn least_turn(places: &[Place], points: &[DVec3], span: Span) -> DVec3 {
             right += *cost * *point * *weight;
         }
         best = matrix.inverse() * right;
-        let lengths: Vec<f64> =
-            costs.iter().map(|(cost, point)| (*cost * (best - *point)).dot(best - *point).max(0.0).sqrt()).collect();
+        let lengths: Vec<f64> = costs
+            .iter()
+            .map(|(cost, point)| (*cost * (best - *point)).dot(best - *point).max(0.0).sqrt())
+            .collect();
         let total: f64 = lengths.iter().zip(&weights).map(|(length, weight)| length * weight).sum();
         if total < f64::MIN_POSITIVE {
             break;

@@ -45,7 +45,11 @@ impl Plant {
 
 /// Heel and toe of one side: 0 the left, 1 the right.
 pub const fn points(side: usize) -> [FootPoint; 2] {
-    if side == 0 { [FootPoint::LeftHeel, FootPoint::LeftToe] } else { [FootPoint::RightHeel, FootPoint::RightToe] }
+    if side == 0 {
+        [FootPoint::LeftHeel, FootPoint::LeftToe]
+    } else {
+        [FootPoint::RightHeel, FootPoint::RightToe]
+    }
 }
 
 /// When the heel and the toe of one side bear.
@@ -63,9 +67,8 @@ pub fn plants(leg: &LegTrack) -> Vec<Plant> {
 /// The rigid motion of the ground nearest to what the edit does to the foot from sample `first` to `last`: its mean turn,
 /// and the mean place of the point (ankle or toe) that bears longer.
 fn ground_motion(leg: &LegTrack, first: usize, last: usize) -> RigidMotion {
-    let turn = (first..=last)
-        .map(|at| cis(turn_about_up(turn_between(&leg.rest[at], &leg.moved[at]))))
-        .sum::<c64>();
+    let turn =
+        (first..=last).map(|at| cis(turn_about_up(turn_between(&leg.rest[at], &leg.moved[at])))).sum::<c64>();
     let angle = turn.arg();
     let count = |labels: &[bool]| labels[first..=last].iter().filter(|label| **label).count();
     let by_heel = count(&leg.heel) >= count(&leg.toe);

@@ -69,7 +69,8 @@ pub fn relax(times: &[f64], values: &[f64], free: &[bool], tau: f64) -> Vec<f64>
     let mut rows = vec![[1.0, 0.0, 0.0]; count];
     let mut right = values.to_vec();
     for at in 1..count.saturating_sub(1) {
-        let [before, after] = [times[at] - times[at - 1], times[at + 1] - times[at]].map(|step| step.max(SHORTEST_STEP) / tau);
+        let [before, after] =
+            [times[at] - times[at - 1], times[at + 1] - times[at]].map(|step| step.max(SHORTEST_STEP) / tau);
         let mean = 0.5 * (before + after);
         let weights = [1.0 / (before * mean), -(1.0 / before + 1.0 / after) / mean, 1.0 / (after * mean)];
         for (row, weight) in weights.iter().enumerate() {
@@ -133,7 +134,8 @@ pub fn largest_acceleration(times: &[f64], values: &[f64]) -> f64 {
     let steps = times.windows(3).zip(values.windows(3));
     steps
         .map(|(times, values)| {
-            let [before, after] = [times[1] - times[0], times[2] - times[1]].map(|step| step.max(SHORTEST_STEP));
+            let [before, after] =
+                [times[1] - times[0], times[2] - times[1]].map(|step| step.max(SHORTEST_STEP));
             let turn = (values[2] - values[1]) / after - (values[1] - values[0]) / before;
             (2.0 * turn / (before + after)).abs()
         })

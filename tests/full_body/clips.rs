@@ -61,11 +61,8 @@ pub(crate) const CLIPS: [&str; 45] = [
 ];
 
 /// Skeletons of 13 joints without toes or ends of feet.
-pub(crate) const CYCLES: [&str; 3] = [
-    "deepmimic/humanoid3d_jog.txt",
-    "deepmimic/humanoid3d_run.txt",
-    "deepmimic/humanoid3d_walk.txt",
-];
+pub(crate) const CYCLES: [&str; 3] =
+    ["deepmimic/humanoid3d_jog.txt", "deepmimic/humanoid3d_run.txt", "deepmimic/humanoid3d_walk.txt"];
 
 /// Headers of these say 24 frames a second, and are wrong: played so, bodies fall slower than they do.
 const WRONG_RATE: &str = "snu_";

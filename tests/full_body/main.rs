@@ -56,7 +56,11 @@ fn main() {
         trials.push(trial.with_ignored_flag(is_missing));
     };
     for file in CLIPS.into_iter().chain(CYCLES) {
-        push(format!("{file} keeps its plants as captured when bent and stretched"), stands_as_captured, file);
+        push(
+            format!("{file} keeps its plants as captured when bent and stretched"),
+            stands_as_captured,
+            file,
+        );
         push(format!("{file} stands still where pinned when bent and stretched"), stands_pinned, file);
         push(format!("{file} stays untouched where nothing is edited"), stays_untouched, file);
     }
@@ -108,7 +112,9 @@ fn stands(folder: &Path, file: &str, mode: PlantMode) -> Result<(), Failed> {
             if std::env::var_os("COTILLION_TABLE").is_some() {
                 eprintln!("{file} {mode:?} {frames:?} {} {found:?}", edit.name());
             }
-            faults.extend(found.faults().into_iter().map(|fault| format!("{frames:?} {}: {fault}", edit.name())));
+            faults.extend(
+                found.faults().into_iter().map(|fault| format!("{frames:?} {}: {fault}", edit.name())),
+            );
         }
     }
     if faults.is_empty() { Ok(()) } else { Err(faults.join("\n").into()) }
@@ -175,7 +181,11 @@ fn stays_untouched(folder: &Path, file: &str) -> Result<(), Failed> {
     let placed = bend::placed(stretch.rest, 0.7);
     let result = refined(&stretch, &placed, PlantMode::AsCaptured);
     let change = largest_change(&placed, &result.poses);
-    if change < UNTOUCHED { Ok(()) } else { Err(format!("placed and turned, a joint turns by {change:e}").into()) }
+    if change < UNTOUCHED {
+        Ok(())
+    } else {
+        Err(format!("placed and turned, a joint turns by {change:e}").into())
+    }
 }
 
 fn hardly_changes(folder: &Path, file: &str) -> Result<(), Failed> {
@@ -186,7 +196,15 @@ fn hardly_changes(folder: &Path, file: &str) -> Result<(), Failed> {
     let reported = result.report.largest_change.map_or(0.0, |change| change.angle);
     if std::env::var_os("COTILLION_TABLE").is_some() {
         let count = |contacts: &[cotillion::clip::contacts::FootContacts]| -> usize {
-            contacts.iter().map(|contact| [contact.left_heel, contact.left_toe, contact.right_heel, contact.right_toe].iter().filter(|bears| **bears).count()).sum()
+            contacts
+                .iter()
+                .map(|contact| {
+                    [contact.left_heel, contact.left_toe, contact.right_heel, contact.right_toe]
+                        .iter()
+                        .filter(|bears| **bears)
+                        .count()
+                })
+                .sum()
         };
         let share = count(&result.planted) as f64 / count(stretch.contacts) as f64;
         eprintln!("{file} pinned: {:.2} degrees, {share:.2} of the contacts held", change.to_degrees());
