@@ -38,12 +38,7 @@ pub fn solve(
     let missing = (limb.bow_at(to_target.length()) - own.length()).max(0.0);
     let pole = turn * (own + place.upper_rotation * hint * (straight * missing));
     let reach = limb.reach(target.position, pole);
-    chain.turn(
-        skeleton,
-        pose,
-        place,
-        reach.middle,
-        &EndPose { position: reach.lower, rotation: target.rotation },
-    );
+    let end = EndPose { position: reach.lower, rotation: target.rotation };
+    chain.turn(skeleton, pose, place, (reach.middle, &end));
     reach.shortfall
 }

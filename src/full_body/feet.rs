@@ -218,9 +218,9 @@ impl Leg {
                 (Some(before), Some(own)) => Some(lower(before, own)),
                 (before, own) => before.or(own),
             };
-            for at in from..span.first {
+            for (at, clearance) in clearances.iter_mut().enumerate().take(span.first).skip(from) {
                 let [ankle, toe] = heights(at);
-                clearances[at] = floor.map_or(0.0, |floor| (ankle - floor[0]).min(toe - floor[1]).max(0.0));
+                *clearance = floor.map_or(0.0, |floor| (ankle - floor[0]).min(toe - floor[1]).max(0.0));
             }
             before = own;
             from = span.last + 1;

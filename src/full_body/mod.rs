@@ -133,8 +133,8 @@ fn orient_others(
         if by_leg || end.limb(skeleton, limbs).is_some() {
             continue;
         }
-        for at in end.first..end.first + end.targets.len() {
-            end.orient(skeleton, &mut poses[at], at);
+        for (at, pose) in poses.iter_mut().enumerate().skip(end.first).take(end.targets.len()) {
+            end.orient(skeleton, pose, at);
         }
     }
 }

@@ -202,17 +202,17 @@ fn corrections(times: &[f64], leg: &LegTrack, held: &Held, fade: f64) -> Vec<Dis
     let count = times.len();
     let mut turns = vec![[DVec3::ZERO]; count];
     let both: Vec<bool> = (0..count).map(|at| held.heel[at].is_some() && held.toe[at].is_some()).collect();
-    for at in 0..count {
+    for (at, turn) in turns.iter_mut().enumerate() {
         if let (Some(heel), Some(toe)) = (held.heel[at], held.toe[at]) {
             let foot = leg.rest[at].end - leg.rest[at].limb.lower;
-            turns[at] = [log(minimal_rotation(foot, toe - heel))];
+            *turn = [log(minimal_rotation(foot, toe - heel))];
         }
     }
     fill(times, &spans(&both), (BLEND, Slopes::Level), &mut turns);
     let mut shifts = vec![[DVec3::ZERO]; count];
-    for at in 0..count {
+    for (at, shift) in shifts.iter_mut().enumerate() {
         let (ankle, toe) = (leg.rest[at].limb.lower, leg.rest[at].end);
-        shifts[at] = [match (held.heel[at], held.toe[at]) {
+        *shift = [match (held.heel[at], held.toe[at]) {
             (Some(held), _) => held - ankle,
             (None, Some(held)) => held - exp(turns[at][0]) * (toe - ankle) - ankle,
             (None, None) => DVec3::ZERO,

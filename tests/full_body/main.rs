@@ -13,8 +13,10 @@ use std::path::{Path, PathBuf};
 
 use bend::{Bend, bent};
 use clips::{CLIPS, CYCLES, Stretch, load, stretches};
-use cotillion::full_body::{BodyInput, PlantMode, Refined, refine};
-use cotillion::skeleton::Pose;
+use cotillion::full_body::chain::arms;
+use cotillion::full_body::{BodyInput, Effector, PlantMode, Refined, Target, refine};
+use cotillion::skeleton::{Pose, Skeleton};
+use glam::DVec3;
 use libtest_mimic::{Arguments, Failed, Trial};
 use measure::{below_ground, bone_change, knee_acceleration, largest_change, slide};
 
@@ -62,6 +64,7 @@ fn main() {
             file,
         );
         push(format!("{file} stands still where pinned when bent and stretched"), stands_pinned, file);
+        push(format!("{file} reaches out with its hands when bent and stretched"), reaches, file);
         push(format!("{file} stays untouched where nothing is edited"), stays_untouched, file);
     }
     for file in CLIPS.into_iter().filter(|file| file.contains("cmu_16") && file.contains("walk")) {
@@ -168,6 +171,53 @@ impl Measures {
         let over = checks.into_iter().filter(|(_, found, most)| found > most);
         over.map(|(name, found, most)| format!("{name} {found:.5} above {most}")).collect()
     }
+}
+
+/// Twice on the way each hand is for a fifth of a second a little higher and nearer to its shoulder than it would be, which
+/// arms reach.
+fn reaches(folder: &Path, file: &str) -> Result<(), Failed> {
+    let walk = load(folder, file)?;
+    let skeleton = walk.skeleton();
+    let mut faults = Vec::new();
+    for frames in stretches(&walk.poses) {
+        let stretch = walk.stretch(frames);
+        for edit in EDITS {
+            let moved = bent(stretch.rest, edit);
+            let input = BodyInput {
+                times: stretch.times.clone(),
+                rest: stretch.rest.to_vec(),
+                contacts: stretch.contacts.to_vec(),
+                effectors: reaching(skeleton, &moved),
+                moved,
+            };
+            let result = refine(skeleton, &input, PlantMode::AsCaptured);
+            let bones = bone_change(skeleton, stretch.rest, &result.poses);
+            if !result.report.shortfalls.is_empty() || bones > BONES {
+                faults.push(format!("{frames:?} {}: {:?}", edit.name(), result.report.shortfalls));
+            }
+        }
+    }
+    if faults.is_empty() { Ok(()) } else { Err(faults.join("\n").into()) }
+}
+
+/// Frames that a hand is somewhere.
+const HELD: usize = 6;
+
+fn reaching(skeleton: &Skeleton, moved: &[Pose]) -> Vec<Effector> {
+    let limbs = arms(skeleton).into_iter().flatten();
+    let ends = limbs.flat_map(|limb| {
+        let target = move |pose: &Pose| {
+            let place = limb.place(skeleton, pose).limb;
+            let nearer = (place.upper - place.lower) * 0.1;
+            Target { position: place.lower + nearer + DVec3::Y * 0.05, rotation: None }
+        };
+        let starts = [moved.len() / 3, 2 * moved.len() / 3];
+        starts.map(move |first| {
+            let poses = moved.iter().skip(first).take(HELD);
+            Effector { joint: limb.lower, first, targets: poses.map(target).collect() }
+        })
+    });
+    ends.collect()
 }
 
 fn stays_untouched(folder: &Path, file: &str) -> Result<(), Failed> {
