@@ -110,8 +110,9 @@ pub(crate) fn load(folder: &Path, file: &str) -> Result<Walk, Failed> {
     Ok(Walk { working, poses })
 }
 
-/// A path longer than this times its chord has no direction as a whole: laid onto an arc as narrow as the chord asks for,
-/// steps beside the chord would become several times as long as legs are.
+/// A path longer than this times its chord has no direction as a whole: laid onto an arc as narrow as its chord asks for, the
+/// centre lies among the steps, and a planted foot would have to be in places up to 1.3 m apart (laps that end near where
+/// they began: `cmu_09_12`, `snu_spiral_*`, `snu_walk_turn_180`).
 const WINDING: f64 = 1.5;
 
 /// Stretches into which such a path is cut are at most so much longer than their chords.

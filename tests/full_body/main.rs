@@ -21,9 +21,10 @@ use glam::DVec3;
 use libtest_mimic::{Arguments, Failed, Trial};
 use measure::{below_ground, bone_change, knee_acceleration, largest_change, slide};
 
-/// Bent by 90°, stretched by ±30 %, and both.
-const EDITS: [Bend; 5] = [
+/// Bent by 90° to either side, stretched by ±30 %, and both.
+const EDITS: [Bend; 6] = [
     Bend { turn: FRAC_PI_2, stretch: 1.0 },
+    Bend { turn: -FRAC_PI_2, stretch: 1.0 },
     Bend { turn: 0.0, stretch: 1.3 },
     Bend { turn: 0.0, stretch: 0.7 },
     Bend { turn: FRAC_PI_2, stretch: 1.3 },
@@ -107,9 +108,9 @@ fn stands(folder: &Path, file: &str, mode: PlantMode) -> Result<(), Failed> {
     let times = walk.stretch((0, walk.poses.len() - 1)).times;
     let captured_knees = knee_acceleration(walk.skeleton(), &times, &walk.poses);
     let mut faults = Vec::new();
-    for frames in stretches(&walk.poses) {
-        let stretch = walk.stretch(frames);
-        for edit in EDITS {
+    for edit in EDITS {
+        for frames in edited(&walk.poses, edit) {
+            let stretch = walk.stretch(frames);
             let moved = bent(stretch.rest, edit);
             let result = refined(&stretch, &moved, mode);
             let found = Measures::of(&stretch, &result, mode, captured_knees);
@@ -120,6 +121,11 @@ fn stands(folder: &Path, file: &str, mode: PlantMode) -> Result<(), Failed> {
         }
     }
     if faults.is_empty() { Ok(()) } else { Err(faults.join("\n").into()) }
+}
+
+/// First and last frames of what is edited at once: all of a clip, but no more of a winding one than can be bent.
+fn edited(poses: &[Pose], edit: Bend) -> Vec<(usize, usize)> {
+    if edit.turn == 0.0 { vec![(0, poses.len() - 1)] } else { stretches(poses) }
 }
 
 /// What must hold of a result.
@@ -175,9 +181,9 @@ fn reaches(folder: &Path, file: &str) -> Result<(), Failed> {
     let walk = load(folder, file)?;
     let skeleton = walk.skeleton();
     let mut faults = Vec::new();
-    for frames in stretches(&walk.poses) {
-        let stretch = walk.stretch(frames);
-        for edit in EDITS {
+    for edit in EDITS {
+        for frames in edited(&walk.poses, edit) {
+            let stretch = walk.stretch(frames);
             let moved = bent(stretch.rest, edit);
             let input = BodyInput {
                 times: stretch.times.clone(),
