@@ -60,9 +60,18 @@ pub(crate) const CLIPS: [&str; 45] = [
     "bvh/snu_walk_turn_180.bvh",
 ];
 
-/// Skeletons of 13 joints without toes or ends of feet.
-pub(crate) const CYCLES: [&str; 3] =
-    ["deepmimic/humanoid3d_jog.txt", "deepmimic/humanoid3d_run.txt", "deepmimic/humanoid3d_walk.txt"];
+/// Skeletons of 13 joints without toes or ends of feet, rigs of 43 joints, steps and stools.
+pub(crate) const OTHERS: [&str; 9] = [
+    "deepmimic/humanoid3d_jog.txt",
+    "deepmimic/humanoid3d_run.txt",
+    "deepmimic/humanoid3d_walk.txt",
+    "bvh/cmu_10_03_kick_ball.bvh",
+    "bvh/cmu_60_05_salsa_A.bvh",
+    "bvh/cmu_61_05_salsa_B.bvh",
+    "amc/cmu_14_21_climb_3_steps_up_and_down.amc",
+    "amc/cmu_14_27_sit_on_high_stool_and_stand_up.amc",
+    "amc/cmu_14_31_sit_on_stepstool_and_stand_up.amc",
+];
 
 /// Headers of these say 24 frames a second, and are wrong: played so, bodies fall slower than they do.
 const WRONG_RATE: &str = "snu_";

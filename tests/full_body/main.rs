@@ -12,7 +12,7 @@ use std::f64::consts::FRAC_PI_2;
 use std::path::{Path, PathBuf};
 
 use bend::{Bend, bent};
-use clips::{CLIPS, CYCLES, Stretch, load, stretches};
+use clips::{CLIPS, OTHERS, Stretch, load, stretches};
 use cotillion::clip::contacts::{FootContacts, FootPoint};
 use cotillion::full_body::chain::arms;
 use cotillion::full_body::{BodyInput, Effector, PlantMode, Refined, Target, refine};
@@ -59,7 +59,7 @@ fn main() {
         });
         trials.push(trial.with_ignored_flag(is_missing));
     };
-    for file in CLIPS.into_iter().chain(CYCLES) {
+    for file in CLIPS.into_iter().chain(OTHERS) {
         push(
             format!("{file} keeps its plants as captured when bent and stretched"),
             stands_as_captured,
