@@ -75,15 +75,21 @@ pub fn arms(skeleton: &Skeleton) -> [Option<Chain>; 2] {
     [chain(skeleton, left, None), chain(skeleton, right, None)]
 }
 
-/// The limb of three roles, if each joint is there and below the one before, and the upper one is not the root.
+/// The limb of three roles, if each joint is there and below the one before, the upper one is not the root, and both bones
+/// have a length.
 fn chain(skeleton: &Skeleton, roles: [JointRole; 3], end: Option<BodyPoint>) -> Option<Chain> {
     let [upper, middle, lower] = roles.map(|role| skeleton.joint_of(role));
     let (upper, middle, lower) = (upper?, middle?, lower?);
     let is_chain =
         upper != JointId(0) && is_below(skeleton, middle, upper) && is_below(skeleton, lower, middle);
     let end = end.unwrap_or(BodyPoint { joint: lower, local: DVec3::ZERO });
-    is_chain.then_some(Chain { upper, middle, lower, end })
+    let found = is_chain.then_some(Chain { upper, middle, lower, end })?;
+    let [upper, lower] = found.place(skeleton, &skeleton.rest_pose()).limb.lengths();
+    (upper.min(lower) > SHORTEST_BONE).then_some(found)
 }
+
+/// Shorter bones bend no limb, metres.
+const SHORTEST_BONE: f64 = 1e-3;
 
 /// Whether `joint` hangs on `ancestor`.
 pub fn is_below(skeleton: &Skeleton, joint: JointId, ancestor: JointId) -> bool {
@@ -150,7 +156,7 @@ impl Chain {
 
     /// Turns the limb, which is at `from` in `pose`, so that its middle joint comes to `middle` and its lower one to
     /// `to`, by the smallest turns of both bones.
-    pub fn turn(&self, skeleton: &Skeleton, pose: &mut Pose, from: &Place, middle: DVec3, to: &EndPose) {
+    pub fn turn(&self, skeleton: &Skeleton, pose: &mut Pose, from: &Place, (middle, to): (DVec3, &EndPose)) {
         let upper_turn = minimal_rotation(from.limb.middle - from.limb.upper, middle - from.limb.upper);
         let carried = upper_turn * (from.limb.lower - from.limb.middle);
         let lower_turn = minimal_rotation(carried, to.position - middle);

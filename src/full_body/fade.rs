@@ -100,7 +100,8 @@ fn fill_gap<const N: usize>(
 
 /// The cubic that has the values and slopes of both knots.
 fn between<const N: usize>(from: &Knot<N>, to: &Knot<N>, time: f64) -> [DVec3; N] {
-    let span = to.time - from.time;
+    // Samples may share an instant.
+    let span = (to.time - from.time).max(f64::MIN_POSITIVE);
     let u = ((time - from.time) / span).clamp(0.0, 1.0);
     let (u2, u3) = (u * u, u * u * u);
     let (late, leaving, meeting) = (3.0 * u2 - 2.0 * u3, u3 - 2.0 * u2 + u, u3 - u2);

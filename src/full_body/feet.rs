@@ -72,16 +72,16 @@ fn plan_leg(skeleton: &Skeleton, input: &BodyInput, mode: PlantMode, (side, chai
             (Some(pins.corrections), [pins.heel, pins.toe])
         }
     };
-    let displacements = displacements(&track, corrections.as_deref());
+    let displacements = displacements(&input.times, &track, corrections.as_deref());
     let hint = bend_hint(track.rest.iter());
     let reaches = reaches(&track, corrections.as_deref());
     Leg { chain, track, displacements, bound, planted, reaches, hint }
 }
 
 /// Displacements of the foot in its plants; none elsewhere.
-fn displacements(track: &LegTrack, corrections: Option<&[Displacement]>) -> Vec<Displacement> {
+fn displacements(times: &[f64], track: &LegTrack, corrections: Option<&[Displacement]>) -> Vec<Displacement> {
     let mut displacements = vec![[DVec3::ZERO; 2]; track.rest.len()];
-    for plant in plants(track) {
+    for plant in plants(times, track) {
         for at in plant.span.first..=plant.span.last {
             let mut foot = track.rest[at].end_pose();
             if let Some(corrections) = corrections {
@@ -218,9 +218,9 @@ impl Leg {
                 (Some(before), Some(own)) => Some(lower(before, own)),
                 (before, own) => before.or(own),
             };
-            for at in from..span.first {
+            for (at, clearance) in (from..).zip(&mut clearances[from..span.first]) {
                 let [ankle, toe] = heights(at);
-                clearances[at] = floor.map_or(0.0, |floor| (ankle - floor[0]).min(toe - floor[1]).max(0.0));
+                *clearance = floor.map_or(0.0, |floor| (ankle - floor[0]).min(toe - floor[1]).max(0.0));
             }
             before = own;
             from = span.last + 1;

@@ -37,6 +37,18 @@ pub fn level<const N: usize>(times: &[f64], samples: &[Sample<N>], spacing: f64)
     Spline::fit(start, start + spans as f64 * spacing, spans, samples)
 }
 
+/// Displacements of single samples, in the order of time, blended out over 5 working frames beside them.
+pub fn blended<const N: usize>(times: &[f64], exact: &[(usize, [DVec3; N])]) -> Vec<[DVec3; N]> {
+    let mut displacements = vec![[DVec3::ZERO; N]; times.len()];
+    let mut labels = vec![false; times.len()];
+    for (at, value) in exact {
+        displacements[*at] = *value;
+        labels[*at] = true;
+    }
+    fill(times, &spans(&labels), (BLEND, Slopes::Level), &mut displacements);
+    displacements
+}
+
 /// Brings the ends on `limb` to the targets of `effectors` (all of this limb) in `poses`. Cost: linear in samples.
 pub fn bring(skeleton: &Skeleton, times: &[f64], limb: &Chain, effectors: &[&Effector], poses: &mut [Pose]) {
     let constrained: Vec<usize> =
@@ -62,13 +74,9 @@ pub fn bring(skeleton: &Skeleton, times: &[f64], limb: &Chain, effectors: &[&Eff
             );
         }
     }
-    let mut exact = vec![[DVec3::ZERO; 3]; times.len()];
-    let mut labels = vec![false; times.len()];
-    for at in constrained {
-        exact[at] = task.displacement(&poses[at], at);
-        labels[at] = true;
-    }
-    fill(times, &spans(&labels), (BLEND, Slopes::Level), &mut exact);
+    let exact: Vec<(usize, [DVec3; 3])> =
+        constrained.iter().map(|&at| (at, task.displacement(&poses[at], at))).collect();
+    let exact = blended(times, &exact);
     for (pose, turns) in poses.iter_mut().zip(&exact) {
         task.apply(pose, turns);
     }

@@ -46,7 +46,7 @@ impl Limb {
         let to_target = target - self.upper;
         let distance = to_target.length();
         let margin = NEAREST * (upper + lower);
-        let spanned = distance.clamp((upper - lower).abs() + margin, upper + lower - margin);
+        let spanned = distance.min(upper + lower - margin).max((upper - lower).abs() + margin);
         let along = to_target.try_normalize().unwrap_or(DVec3::NEG_Y);
         let across = perpendicular(pole, along);
         let foot = (upper * upper - lower * lower + spanned * spanned) / (2.0 * spanned);

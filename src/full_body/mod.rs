@@ -22,6 +22,8 @@ pub mod feet;
 pub mod effector;
 pub mod hierarchical;
 pub mod report;
+#[cfg(test)]
+mod tests;
 
 use glam::DVec3;
 
@@ -30,7 +32,7 @@ use crate::full_body::chain::{Chain, arms};
 use crate::full_body::displacement::Sample;
 pub use crate::full_body::effector::{Effector, Target};
 use crate::full_body::feet::{FADE, Leg};
-use crate::full_body::hierarchical::{CLOSE, KNOTS, bring, level, sample};
+use crate::full_body::hierarchical::{CLOSE, KNOTS, blended, bring, level, sample};
 use crate::full_body::reach::{Demand, drops, within_reach};
 pub use crate::full_body::report::{BodyReport, FootPlant, JointChange, Shortfall};
 use crate::skeleton::{Pose, Skeleton};
@@ -131,43 +133,46 @@ fn orient_others(
         if by_leg || end.limb(skeleton, limbs).is_some() {
             continue;
         }
-        for at in end.first..end.first + end.targets.len() {
-            end.orient(skeleton, &mut poses[at], at);
+        for (at, pose) in poses.iter_mut().enumerate().skip(end.first).take(end.targets.len()) {
+            end.orient(skeleton, pose, at);
         }
     }
 }
 
-/// How the body must be shifted so that feet and other ends reach: down for the feet, any way for the others.
+/// How the body must be shifted so that feet and other ends reach: down for the feet, any way for the others. Feet go
+/// first where not all can.
 fn body_shifts(skeleton: &Skeleton, input: &BodyInput, legs: &[Leg]) -> Vec<DVec3> {
     let times = &input.times;
     let feet: Vec<Vec<Demand>> =
         legs.iter().map(|leg| (0..times.len()).map(|at| leg.demand(at)).collect()).collect();
-    let others = other_demands(skeleton, input, legs);
+    let others: Vec<(usize, Vec<Demand>)> = other_demands(skeleton, input, legs)
+        .into_iter()
+        .map(|(at, mut demands)| {
+            demands.extend(legs.iter().zip(&feet).filter(|(leg, _)| leg.bound[at]).map(|(_, foot)| foot[at]));
+            (at, demands)
+        })
+        .collect();
     let mut pulled = vec![DVec3::ZERO; times.len()];
     let mut shifts = lowered(times, &feet, &pulled);
-    if others.is_empty() {
-        return shifts;
-    }
-    for _ in 0..SWEEPS {
-        for spacing in KNOTS {
-            let samples: Vec<Sample<3>> = others
-                .iter()
-                .map(|(at, demands)| {
-                    let bound = legs.iter().zip(&feet).filter(|(leg, _)| leg.bound[*at]);
-                    let all: Vec<Demand> =
-                        demands.iter().copied().chain(bound.map(|(_, feet)| feet[*at])).collect();
-                    sample(times[*at], &[within_reach(&all, shifts[*at]) - shifts[*at]])
-                })
-                .collect();
-            if samples.iter().all(|sample| DVec3::from_array(sample.value).length() < CLOSE) {
-                return shifts;
-            }
-            let spline = level(times, &samples, spacing);
-            for (pull, time) in pulled.iter_mut().zip(times) {
-                *pull += DVec3::from_array(spline.at(*time));
-            }
-            shifts = lowered(times, &feet, &pulled);
+    let missing = |shifts: &[DVec3]| -> Vec<(usize, [DVec3; 1])> {
+        let miss = |at: usize, demands: &[Demand]| within_reach(demands, shifts[at]) - shifts[at];
+        others.iter().map(|(at, demands)| (*at, [miss(*at, demands)])).collect()
+    };
+    for spacing in std::iter::repeat_n(KNOTS, SWEEPS).flatten() {
+        let misses = missing(&shifts);
+        if misses.iter().all(|(_, [miss])| miss.length() < CLOSE) {
+            break;
         }
+        let samples: Vec<Sample<3>> = misses.iter().map(|(at, miss)| sample(times[*at], miss)).collect();
+        let spline = level(times, &samples, spacing);
+        for (pull, time) in pulled.iter_mut().zip(times) {
+            *pull += DVec3::from_array(spline.at(*time));
+        }
+        shifts = lowered(times, &feet, &pulled);
+    }
+    let exact = blended(times, &missing(&shifts));
+    for (shift, exact) in shifts.iter_mut().zip(exact) {
+        *shift += exact[0];
     }
     shifts
 }

@@ -1,7 +1,7 @@
 //! Feet held perfectly still: which parts of a contact really stand, at which points, and what that asks of the captured foot.
 //!
 //! A heel's contact lasts until the ankle is a hand's breadth up, and old captures drift by centimetres: what is held is the
-//! part of a contact in which its point stays within [`STILL`] of one place. The place is the one within that part that
+//! part of a contact in which its point stays within a centimetre of one place. The place is the one within that part that
 //! turns the joints of the leg least; the captured foot is moved there, as little as possible.
 
 use glam::{DMat3, DVec3};
@@ -21,9 +21,10 @@ const FASTEST: f64 = 0.25;
 const SHORTEST: f64 = 2.0 / 30.0;
 /// Time in which the foot turns back as captured when heel or toe lift, seconds.
 const BLEND: f64 = 5.0 / 30.0;
-/// Nothing is held that would turn a joint of the leg, or the foot, farther than this, radians: 2°. Ankles add up turns of
-/// both.
+/// Nothing is held that would turn hip or knee farther than this, radians: 2° …
 const LARGEST_TURN: f64 = 0.035;
+/// … or the foot farther than this: 3°. Ankles add up both, and no joint may turn by 5°.
+const LARGEST_FOOT_TURN: f64 = 0.052;
 /// Passes of the search for the place of least turn.
 const PASSES: usize = 20;
 
@@ -74,7 +75,7 @@ impl Held {
     }
 
     /// Holds the toe at `place`, but as far from the heel as it is on the foot where both are held, and only while that
-    /// turns neither foot nor leg by more than [`LARGEST_TURN`]. A second place of the heel within `span` ends it: one toe has
+    /// turns neither foot nor leg too far. A second place of the heel within `span` ends it: one toe has
     /// one place.
     fn hold_toe(&mut self, leg: &LegTrack, span: Span, place: DVec3) {
         let first_heel = self.heel[span.first..=span.last].iter().flatten().next().copied();
@@ -84,7 +85,7 @@ impl Held {
             let own = &leg.rest[at];
             match self.heel[at] {
                 Some(_) if self.heel[at] != first_heel => break,
-                Some(heel) if (own.end - own.limb.lower).angle_between(place - heel) > LARGEST_TURN => {}
+                Some(heel) if (own.end - own.limb.lower).angle_between(place - heel) > LARGEST_FOOT_TURN => {}
                 None if leg_turn(own, place - own.end) > LARGEST_TURN => {}
                 _ => self.toe[at] = Some(place),
             }
@@ -202,17 +203,17 @@ fn corrections(times: &[f64], leg: &LegTrack, held: &Held, fade: f64) -> Vec<Dis
     let count = times.len();
     let mut turns = vec![[DVec3::ZERO]; count];
     let both: Vec<bool> = (0..count).map(|at| held.heel[at].is_some() && held.toe[at].is_some()).collect();
-    for at in 0..count {
+    for (at, turn) in turns.iter_mut().enumerate() {
         if let (Some(heel), Some(toe)) = (held.heel[at], held.toe[at]) {
             let foot = leg.rest[at].end - leg.rest[at].limb.lower;
-            turns[at] = [log(minimal_rotation(foot, toe - heel))];
+            *turn = [log(minimal_rotation(foot, toe - heel))];
         }
     }
     fill(times, &spans(&both), (BLEND, Slopes::Level), &mut turns);
     let mut shifts = vec![[DVec3::ZERO]; count];
-    for at in 0..count {
+    for (at, shift) in shifts.iter_mut().enumerate() {
         let (ankle, toe) = (leg.rest[at].limb.lower, leg.rest[at].end);
-        shifts[at] = [match (held.heel[at], held.toe[at]) {
+        *shift = [match (held.heel[at], held.toe[at]) {
             (Some(held), _) => held - ankle,
             (None, Some(held)) => held - exp(turns[at][0]) * (toe - ankle) - ankle,
             (None, None) => DVec3::ZERO,

@@ -58,30 +58,81 @@ pub fn bearing(contacts: &[FootContacts], side: usize) -> [Vec<bool>; 2] {
 }
 
 /// The plants of a leg, in the order of time: one for each stretch in which heel or toe bear.
-pub fn plants(leg: &LegTrack) -> Vec<Plant> {
+pub fn plants(times: &[f64], leg: &LegTrack) -> Vec<Plant> {
     let bears: Vec<bool> = leg.heel.iter().zip(&leg.toe).map(|(heel, toe)| *heel || *toe).collect();
-    let plant = |(first, last)| Plant { span: Span { first, last }, motion: ground_motion(leg, first, last) };
-    runs(&bears).into_iter().map(plant).collect()
+    let spans = runs(&bears).into_iter().map(|(first, last)| Span { first, last });
+    spans.map(|span| Plant { span, motion: ground_motion(times, leg, span) }).collect()
 }
 
-/// The rigid motion of the ground nearest to what the edit does to the foot from sample `first` to `last`: its mean turn,
-/// and the mean place of the point (ankle or toe) that bears longer.
-fn ground_motion(leg: &LegTrack, first: usize, last: usize) -> RigidMotion {
-    let turn =
-        (first..=last).map(|at| cis(turn_about_up(turn_between(&leg.rest[at], &leg.moved[at])))).sum::<c64>();
-    let angle = turn.arg();
-    let count = |labels: &[bool]| labels[first..=last].iter().filter(|label| **label).count();
-    let by_heel = count(&leg.heel) >= count(&leg.toe);
+/// The rigid motion of the ground nearest to what the edit does to the foot during `span`: its mean turn, and the mean place
+/// of the point (ankle or toe) that bears longer. Means are over time, so that extra samples do not count.
+fn ground_motion(times: &[f64], leg: &LegTrack, span: Span) -> RigidMotion {
+    let Span { first, last } = span;
+    let stands_for = |at: usize| match times[(at + 1).min(last)] - times[at.saturating_sub(1).max(first)] {
+        0.0 => 1.0,
+        time => time,
+    };
+    let turn: c64 = (first..=last)
+        .map(|at| cis(turn_about_up(turn_between(&leg.rest[at], &leg.moved[at]))) * stands_for(at))
+        .sum();
+    let time = |labels: &[bool]| -> f64 { (first..=last).filter(|at| labels[*at]).map(stands_for).sum() };
+    let by_heel = time(&leg.heel) >= time(&leg.toe);
     let labels = if by_heel { &leg.heel } else { &leg.toe };
     let point = |place: &Place| plan_of(if by_heel { place.limb.lower } else { place.end });
     let mean = |places: &[Place]| {
         let bearing = (first..=last).filter(|at| labels[*at]);
-        bearing.map(|at| point(&places[at])).sum::<c64>() / count(labels) as f64
+        bearing.map(|at| point(&places[at]) * stands_for(at)).sum::<c64>() / time(labels)
     };
-    RigidMotion::carrying(mean(&leg.rest), mean(&leg.moved), angle)
+    RigidMotion::carrying(mean(&leg.rest), mean(&leg.moved), turn.arg())
 }
 
 /// Turn of the foot from `rest` to `moved`, in the world.
 fn turn_between(rest: &Place, moved: &Place) -> DQuat {
     moved.lower_rotation * rest.lower_rotation.inverse()
+}
+
+#[cfg(test)]
+mod tests {
+    use std::f64::consts::FRAC_PI_2;
+
+    use super::*;
+    use crate::full_body::limb::Limb;
+
+    /// Rounding of a few operations on metres.
+    const ROUNDING: f64 = 1e-12;
+
+    /// A foot that stands `at`, turned by `heading`, its toe 0.2 m ahead.
+    fn foot(at: c64, heading: f64) -> Place {
+        let lower = crate::geometry::world_of(at, 0.08);
+        let limb = Limb { upper: lower + DVec3::Y * 0.8, middle: lower + DVec3::Y * 0.4, lower };
+        let rotation = yaw(heading);
+        Place {
+            limb,
+            upper_rotation: rotation,
+            lower_rotation: rotation,
+            end: lower + rotation * DVec3::X * 0.2,
+        }
+    }
+
+    #[test]
+    fn a_rigid_edit_is_found_again_and_a_sliding_one_meets_in_the_middle() {
+        let times: Vec<f64> = (0..11).map(|k| f64::from(k) / 30.0).collect();
+        let rest: Vec<Place> = (0..11).map(|k| foot(c64::new(0.001 * f64::from(k), 1.0), 0.3)).collect();
+        let moved: Vec<Place> = (0..11)
+            .map(|k| {
+                let slide = 0.01 * f64::from(k - 5);
+                foot(c64::new(-1.0, 0.001 * f64::from(k) + slide), 0.3 + FRAC_PI_2 + slide)
+            })
+            .collect();
+        let leg = LegTrack { rest, moved, heel: vec![true; 11], toe: vec![false; 11] };
+        let found = plants(&times, &leg);
+        assert_eq!(found.len(), 1);
+        assert!((found[0].motion.angle() - FRAC_PI_2).abs() < ROUNDING);
+        for k in 0..11 {
+            let carried = found[0].carry(&leg.rest[k].end_pose());
+            let expected = c64::new(-1.0, 0.001 * k as f64);
+            assert!((plan_of(carried.position) - expected).norm() < ROUNDING);
+            assert_eq!(carried.position.y, 0.08);
+        }
+    }
 }

@@ -76,3 +76,44 @@ pub fn within_reach(demands: &[Demand], shift: DVec3) -> DVec3 {
     }
     shift
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Alternate projections stop when they move less than 1e-9 m a sweep.
+    const CONVERGED: f64 = 1e-6;
+
+    fn demand(hip: DVec3, ankle: DVec3, reach: f64) -> Demand {
+        Demand { hip, ankle, reach }
+    }
+
+    #[test]
+    fn a_body_comes_down_as_far_as_the_longest_stride_needs() {
+        let times: Vec<f64> = (0..60).map(|k| f64::from(k) / 30.0).collect();
+        let mut leg = vec![demand(DVec3::Y * 0.9, DVec3::ZERO, 0.95); 60];
+        leg[30].ankle = DVec3::X * 0.6;
+        let drops = drops(&times, &[leg.clone()], &[DVec3::ZERO; 60], 0.3);
+        // At 0.6 m ahead a leg of 0.95 m reaches from √(.95² − .6²) above.
+        let needed = 0.9 - (0.95_f64 * 0.95 - 0.6 * 0.6).sqrt();
+        assert!(drops[30] > needed - 1e-6, "{} for {needed}", drops[30]);
+        assert!(drops.iter().all(|drop| *drop <= needed + 1e-6));
+        assert!(drops[..11].iter().chain(&drops[50..]).all(|drop| *drop == 0.0));
+        assert_eq!(super::drops(&times, &[leg[..1].repeat(60)], &[DVec3::ZERO; 60], 0.3), vec![0.0; 60]);
+    }
+
+    #[test]
+    fn a_body_goes_where_all_limbs_reach() {
+        let demands = [
+            demand(DVec3::new(0.2, 1.4, 0.0), DVec3::new(1.1, 1.5, 0.0), 0.55),
+            demand(DVec3::new(0.1, 0.9, 0.0), DVec3::ZERO, 0.95),
+            demand(DVec3::new(-0.1, 0.9, 0.0), DVec3::new(-0.1, 0.0, 0.0), 1.0),
+        ];
+        let shift = within_reach(&demands, DVec3::ZERO);
+        for demand in &demands {
+            let distance = (demand.hip + shift).distance(demand.ankle);
+            assert!(distance < demand.reach + CONVERGED, "{distance} of {}", demand.reach);
+        }
+        assert_eq!(within_reach(&demands[1..], DVec3::ZERO), DVec3::ZERO);
+    }
+}

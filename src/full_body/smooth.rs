@@ -144,3 +144,73 @@ pub fn largest_acceleration(times: &[f64], values: &[f64]) -> f64 {
 
 /// Samples nearer than this in time count as so far apart, seconds: a constrained moment beside an output frame.
 const SHORTEST_STEP: f64 = 1e-3;
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+
+    /// Rounding of small linear systems.
+    const ROUNDING: f64 = 1e-9;
+
+    /// Uneven times, 0.02 to 0.06 s apart.
+    fn uneven(count: usize) -> Vec<f64> {
+        (0..count).map(|k| 0.04 * k as f64 + 0.01 * (1.7 * k as f64).sin()).collect()
+    }
+
+    /// What [`relax`] makes least.
+    fn energy(times: &[f64], values: &[f64], given: &[f64], tau: f64) -> f64 {
+        let data: f64 = values.iter().zip(given).map(|(a, b)| (a - b) * (a - b)).sum();
+        let bends = (1..values.len() - 1).map(|at| {
+            let [before, after] = [times[at] - times[at - 1], times[at + 1] - times[at]];
+            let slopes = (values[at + 1] - values[at]) / after - (values[at] - values[at - 1]) / before;
+            (tau * tau * 2.0 * slopes / (before + after)).powi(2)
+        });
+        data + bends.sum::<f64>()
+    }
+
+    proptest! {
+        #[test]
+        fn an_envelope_is_nowhere_below_and_ends_two_windows_away(
+            values in prop::collection::vec(prop_oneof![Just(0.0), 0.0..1.0_f64], 1..60),
+            window in 0.05..0.5_f64,
+        ) {
+            let times = uneven(values.len());
+            let curve = envelope(&times, &values, window);
+            for (at, (curve, value)) in curve.iter().zip(&values).enumerate() {
+                prop_assert!(*curve >= value - ROUNDING);
+                let near = |other: usize| (times[other] - times[at]).abs() <= 2.0 * window;
+                let is_far = (0..values.len()).all(|other| values[other] == 0.0 || !near(other));
+                prop_assert!(!is_far || *curve == 0.0);
+            }
+        }
+
+        #[test]
+        fn no_other_curve_is_smoother_and_as_near(
+            values in prop::collection::vec(-1.0..1.0_f64, 5..30),
+            held in prop::collection::vec(any::<bool>(), 30),
+            tau in 0.02..0.3_f64,
+            change in prop::collection::vec(-0.1..0.1_f64, 30),
+        ) {
+            let times = uneven(values.len());
+            let free: Vec<bool> = held[..values.len()].iter().map(|held| !held).collect();
+            let curve = relax(&times, &values, &free, tau);
+            let least = energy(&times, &curve, &values, tau);
+            let other: Vec<f64> = (0..values.len())
+                .map(|at| if free[at] { curve[at] + change[at] } else { curve[at] })
+                .collect();
+            prop_assert!(energy(&times, &other, &values, tau) >= least * (1.0 - ROUNDING));
+            for at in (0..values.len()).filter(|&at| !free[at]) {
+                prop_assert_eq!(curve[at], values[at]);
+            }
+        }
+    }
+
+    #[test]
+    fn a_parabola_has_its_acceleration_at_uneven_times() {
+        let times = uneven(20);
+        let values: Vec<f64> = times.iter().map(|time| 3.0 * time * time).collect();
+        assert!((largest_acceleration(&times, &values) - 6.0).abs() < 1e-9);
+    }
+}

@@ -60,9 +60,18 @@ pub(crate) const CLIPS: [&str; 45] = [
     "bvh/snu_walk_turn_180.bvh",
 ];
 
-/// Skeletons of 13 joints without toes or ends of feet.
-pub(crate) const CYCLES: [&str; 3] =
-    ["deepmimic/humanoid3d_jog.txt", "deepmimic/humanoid3d_run.txt", "deepmimic/humanoid3d_walk.txt"];
+/// Skeletons of 13 joints without toes or ends of feet, rigs of 43 joints, steps and stools.
+pub(crate) const OTHERS: [&str; 9] = [
+    "deepmimic/humanoid3d_jog.txt",
+    "deepmimic/humanoid3d_run.txt",
+    "deepmimic/humanoid3d_walk.txt",
+    "bvh/cmu_10_03_kick_ball.bvh",
+    "bvh/cmu_60_05_salsa_A.bvh",
+    "bvh/cmu_61_05_salsa_B.bvh",
+    "amc/cmu_14_21_climb_3_steps_up_and_down.amc",
+    "amc/cmu_14_27_sit_on_high_stool_and_stand_up.amc",
+    "amc/cmu_14_31_sit_on_stepstool_and_stand_up.amc",
+];
 
 /// Headers of these say 24 frames a second, and are wrong: played so, bodies fall slower than they do.
 const WRONG_RATE: &str = "snu_";
@@ -110,8 +119,9 @@ pub(crate) fn load(folder: &Path, file: &str) -> Result<Walk, Failed> {
     Ok(Walk { working, poses })
 }
 
-/// A path longer than this times its chord has no direction as a whole: laid onto an arc as narrow as the chord asks for,
-/// steps beside the chord would become several times as long as legs are.
+/// A path longer than this times its chord has no direction as a whole: laid onto an arc as narrow as its chord asks for, the
+/// centre lies among the steps, and a planted foot would have to be in places up to 1.3 m apart (laps that end near where
+/// they began: `cmu_09_12`, `snu_spiral_*`, `snu_walk_turn_180`).
 const WINDING: f64 = 1.5;
 
 /// Stretches into which such a path is cut are at most so much longer than their chords.

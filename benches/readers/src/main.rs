@@ -1,7 +1,7 @@
 //! Times our reader of BVH files beside the crate `bvh_anim` and a bare parse of the numbers, on the same files in one run.
 //!
 //! `cotillion-readers --try FILE.bvh` says what `bvh_anim` makes of a file, for `scripts/odd_files.py`.
-//! `cotillion-readers FILE.bvh… [--rounds N]` prints, for each file, megabytes a second in the quickest of the rounds and how
+//! `cotillion-readers FILE.bvh… [--rounds N]` prints, for each file, megabytes a second by the median of the rounds and how
 //! many times faster than `bvh_anim` each is. The readers take turns, so that a busy machine slows them alike. `bvh_anim`
 //! gives channels as they stand in 32 bits; ours gives quaternions in 64 bits, examined for faults.
 
@@ -93,7 +93,10 @@ fn row(file: &Path, rounds: usize) -> Result<String, String> {
             seconds[index].push(start.elapsed().as_secs_f64());
         }
     }
-    let speeds = seconds.map(|own| megabytes / own.into_iter().fold(f64::INFINITY, f64::min));
+    let speeds = seconds.map(|mut own| {
+        own.sort_unstable_by(f64::total_cmp);
+        megabytes / own[own.len() / 2]
+    });
     let name = file.file_stem().map_or_else(String::new, |stem| stem.to_string_lossy().into_owned());
     let cells: Vec<String> =
         speeds.iter().map(|speed| format!("{speed:>6.0} ({:>4.1})", speed / speeds[1])).collect();

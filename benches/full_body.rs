@@ -1,0 +1,93 @@
+//! Cost of bringing hands and feet where they must be, by frames: a walk of 31 joints on a bent and stretched path.
+
+use std::sync::Arc;
+
+use cotillion::clip::builtin::generate;
+use cotillion::clip::working::{WORKING_STEP, WorkingClip};
+use cotillion::full_body::{BodyInput, Effector, PlantMode, Target, refine};
+use cotillion::geometry::{cis, plan_of, world_of, yaw};
+use cotillion::index::{JointId, SourceFrame};
+use cotillion::skeleton::{JointRole, Pose, Skeleton};
+use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
+use glam::{DQuat, DVec3};
+
+/// Joints of the most common captured skeleton.
+const JOINTS: usize = 31;
+
+/// `frames` frames of a walk, laid onto an arc and stretched; fingers make the generated skeleton one of 31 joints.
+fn walk(frames: u32) -> (Skeleton, BodyInput) {
+    let seconds = f64::from(frames) / 30.0;
+    let clip = generate("walk", &[("seconds".to_owned(), seconds)].into()).expect("a known clip");
+    let working = WorkingClip::new("walk", Arc::new(clip), SourceFrame(0), SourceFrame(frames - 1));
+    let mut skeleton = (*working.clip.skeleton).clone();
+    let hand = skeleton.joint_of(JointRole::RightHand).expect("the generated body has hands");
+    let mut finger = skeleton.joints[hand.as_usize()].clone();
+    finger.role = None;
+    finger.offset = DVec3::NEG_Y * 0.05;
+    while skeleton.joints.len() < JOINTS {
+        finger.parent = Some(JointId::from_usize(skeleton.joints.len() - 1));
+        skeleton.joints.push(finger.clone());
+    }
+    let rest: Vec<Pose> = (0..working.frame_count())
+        .map(|frame| {
+            let mut pose = working.pose(frame as f64);
+            pose.rotations.resize(JOINTS, DQuat::IDENTITY);
+            pose
+        })
+        .collect();
+    let input = BodyInput {
+        times: (0..rest.len()).map(|frame| frame as f64 * WORKING_STEP).collect(),
+        moved: rest.iter().map(bent).collect(),
+        contacts: working.contacts.clone(),
+        rest,
+        effectors: Vec::new(),
+    };
+    (skeleton, input)
+}
+
+/// Half as far again, on a circle of 10 m.
+fn bent(pose: &Pose) -> Pose {
+    let at = plan_of(pose.root) * 1.3;
+    let angle = at.norm() / 10.0;
+    let mut moved = pose.clone();
+    moved.root = world_of(at * cis(0.5 * angle), pose.root.y);
+    moved.rotations[0] = yaw(angle) * pose.rotations[0];
+    moved
+}
+
+fn full_body(criterion: &mut Criterion) {
+    for (group, mode, reaches) in [
+        ("full_body", PlantMode::AsCaptured, false),
+        ("full_body_pinned", PlantMode::Pinned, false),
+        ("full_body_reaching", PlantMode::AsCaptured, true),
+    ] {
+        let mut group = criterion.benchmark_group(group);
+        group.sample_size(10);
+        for frames in [1_000, 10_000] {
+            let (skeleton, mut input) = walk(frames);
+            if reaches {
+                input.effectors = hands(&skeleton, &input);
+            }
+            group.throughput(Throughput::Elements(u64::from(frames)));
+            group.bench_function(BenchmarkId::new("frames", frames), |b| {
+                b.iter(|| refine(&skeleton, &input, mode));
+            });
+        }
+        group.finish();
+    }
+}
+
+/// A hand that reaches out for half a second every four seconds.
+fn hands(skeleton: &Skeleton, input: &BodyInput) -> Vec<Effector> {
+    let joint = skeleton.joint_of(JointRole::LeftHand).expect("the generated body has hands");
+    let target = |pose: &Pose| Target { position: pose.root + DVec3::new(0.3, 0.3, 0.3), rotation: None };
+    let grasp = |first: usize| Effector {
+        joint,
+        first,
+        targets: input.moved[first..first + 15].iter().map(target).collect(),
+    };
+    (60..input.moved.len() - 15).step_by(120).map(grasp).collect()
+}
+
+criterion_group!(benches, full_body);
+criterion_main!(benches);
