@@ -37,7 +37,7 @@ pub fn level<const N: usize>(times: &[f64], samples: &[Sample<N>], spacing: f64)
     Spline::fit(start, start + spans as f64 * spacing, spans, samples)
 }
 
-/// Displacements of single samples, in the order of time, blended out over [`BLEND`] beside them.
+/// Displacements of single samples, in the order of time, blended out over 5 working frames beside them.
 pub fn blended<const N: usize>(times: &[f64], exact: &[(usize, [DVec3; N])]) -> Vec<[DVec3; N]> {
     let mut displacements = vec![[DVec3::ZERO; N]; times.len()];
     let mut labels = vec![false; times.len()];

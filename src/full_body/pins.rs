@@ -1,7 +1,7 @@
 //! Feet held perfectly still: which parts of a contact really stand, at which points, and what that asks of the captured foot.
 //!
 //! A heel's contact lasts until the ankle is a hand's breadth up, and old captures drift by centimetres: what is held is the
-//! part of a contact in which its point stays within [`STILL`] of one place. The place is the one within that part that
+//! part of a contact in which its point stays within a centimetre of one place. The place is the one within that part that
 //! turns the joints of the leg least; the captured foot is moved there, as little as possible.
 
 use glam::{DMat3, DVec3};
