@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use glam::{DQuat, DVec3};
+use proptest::prelude::*;
 
 use super::*;
 use crate::clip::builtin::generate;
@@ -224,6 +225,50 @@ fn an_extra_moment_hardly_changes_the_frames_beside_it() {
             for (from, to) in a.rotations.iter().zip(&b.rotations) {
                 let angle = log(from.inverse() * *to).length();
                 assert!(angle < UNSEEN, "moment {at}, sample {sample}: {angle}");
+            }
+        }
+    }
+}
+
+/// Rounding of a bone's length, metres.
+const BONES: f64 = 1e-9;
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(64))]
+
+    #[test]
+    fn whatever_is_asked_for_poses_are_finite_and_bones_keep_their_lengths(
+        stretch in prop::array::uniform3(-3.0..3.0_f64),
+        turn in -0.3..0.3_f64,
+        labels in prop::collection::vec(0..16_u8, 61),
+        ends in prop::collection::vec((0..21_u32, 0..50_usize, prop::array::uniform3(-2.0..2.0_f64)), 0..4),
+        pinned in any::<bool>(),
+    ) {
+        let (skeleton, mut input) = walk(2.0);
+        for (at, pose) in input.moved.iter_mut().enumerate() {
+            pose.root *= DVec3::from_array(stretch);
+            pose.rotations[0] = yaw(turn * at as f64) * pose.rotations[0];
+        }
+        for (contact, label) in input.contacts.iter_mut().zip(&labels) {
+            for (bit, point) in crate::clip::contacts::FootPoint::ALL.into_iter().enumerate() {
+                contact.set(point, label & (1 << bit) != 0);
+            }
+        }
+        for (joint, first, place) in ends {
+            let target = Target { position: DVec3::from_array(place), rotation: Some(yaw(place[0])) };
+            input.effectors.push(Effector { joint: JointId(joint), first, targets: vec![target; 7] });
+        }
+        let mode = if pinned { PlantMode::Pinned } else { PlantMode::AsCaptured };
+        let refined = refine(&skeleton, &input, mode);
+        for (before, after) in input.moved.iter().zip(&refined.poses) {
+            prop_assert!(after.root.is_finite());
+            let (before, after) = (skeleton.forward_kinematics(before), skeleton.forward_kinematics(after));
+            for (index, joint) in skeleton.joints.iter().enumerate() {
+                let Some(parent) = joint.parent else { continue };
+                let length = |frames: &[crate::skeleton::JointFrame]| {
+                    frames[index].position.distance(frames[parent.as_usize()].position)
+                };
+                prop_assert!((length(&before) - length(&after)).abs() < BONES);
             }
         }
     }
