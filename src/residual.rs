@@ -91,9 +91,9 @@ enum Miss {
 fn miss(hold: Hold, stance: impl Fn(Place) -> Stance) -> Miss {
     match hold {
         Hold::Position { at, target } => Miss::Metres((stance(at).position - target).norm()),
-        Hold::Beside { at, to, from, turn, target } => {
+        Hold::Beside { at, to, from, target } => {
             let place = |place| stance(place).position;
-            Miss::Metres((place(at) - place(to) + turn * place(from) - target).norm())
+            Miss::Metres((place(at) - place(to) + place(from) - target).norm())
         }
         Hold::Facing { at, heading } => Miss::Radians(wrap(stance(at).heading - heading).abs()),
         Hold::Offset { at, to, offset } => {

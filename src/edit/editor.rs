@@ -188,7 +188,7 @@ impl Editor {
 
     /// Solves times, then paths, for the present targets; those of connected characters none of whose targets moved stay
     /// as they are. Cost: linear in frames of the others; in characters. Where places relative to carried objects are held,
-    /// a few times that, with all systems assembled anew.
+    /// a few times that.
     ///
     /// # Errors
     /// Contradicting hard constraints, hard times that the bounds do not allow, carries that overlap, or a solver that gives

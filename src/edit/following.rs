@@ -5,17 +5,19 @@
 //! otherwise: moving the carrier's whole path does not move it. So the row counts from the grasp on,
 //!
 //! ```text
-//!     o(t) = p(t) + e^{iρ} (o(t₀) − p(t₀))        p: carrier, t₀: grasp, ρ: turn of the object since
+//!     o(t) = p(t) − p(t₀) + r        p: carrier, t₀: grasp
 //! ```
 //!
-//! with ρ and `o(t₀)`, which other carriers may have brought there, as on the present paths: the editor solves, reads them
-//! off, and solves again until nothing changes.
+//! with the rest `r` (where the object was at the grasp, to which other carriers may have brought it, and how it has turned
+//! since) as on the present paths: the editor solves, reads it off, and solves again until nothing changes. In the
+//! solution `r` is what it is; that its change is not foreseen only costs rounds. A turn is left in it, as otherwise
+//! carriers would be sent far away, from where a small turn moves the object much.
 
 use crate::constraint::{ConstraintKind, Relation};
 use crate::edit::expand::{Following, Wanted};
 use crate::edit::hold::{Hold, Place};
 use crate::edit::moved::Moved;
-use crate::geometry::{c64, cis, wrap};
+use crate::geometry::{c64, wrap};
 use crate::index::CharacterId;
 use crate::object::ObjectPose;
 use crate::object_motion::{ObjectMotion, Owner, Performance};
@@ -99,9 +101,8 @@ pub fn follow(
         (place, path::at(&moved.characters[path].positions, place.frame))
     };
     let ((to, there), (from, then)) = (on_path(seconds), on_path(grasp));
-    let turn = cis(pose.facing - motion.pose_at(moved.scene, moved, grasp).facing);
-    let target = pose.beside(offset) - there + turn * then;
-    Ok(Hold::Beside { at: following.at, to, from, turn, target })
+    let target = pose.beside(offset) - (there - then);
+    Ok(Hold::Beside { at: following.at, to, from, target })
 }
 
 /// Whether two rows bind the same frames, with other numbers at most.
@@ -140,20 +141,4 @@ pub fn with_numbers(like: &Hold, [a, b]: [f64; 2]) -> Hold {
         Hold::Facing { heading: angle, .. } | Hold::RelativeFacing { angle, .. } => *angle = a,
     }
     hold
-}
-
-/// Gives the row `own`, whose paths may be numbered otherwise, the numbers of `new`; whether a coefficient changes and not
-/// its target alone.
-pub fn adopt(own: &mut Hold, new: &Hold) -> bool {
-    let coefficient = match (&mut *own, new) {
-        (Hold::Beside { turn: own, .. }, Hold::Beside { turn: new, .. }) => {
-            let changed = own != new;
-            *own = *new;
-            changed
-        }
-        (Hold::Offset { .. } | Hold::RelativeFacing { .. }, _) => true,
-        _ => false,
-    };
-    *own = with_numbers(own, numbers(new));
-    coefficient
 }

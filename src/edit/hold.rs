@@ -49,7 +49,7 @@ pub enum Hold {
         offset: c64,
     },
     /// Somebody is beside what somebody else has carried from one instant to another:
-    /// `p_at − p_to + turn·p_from = target`. How the path bends between the two is in `turn`.
+    /// `p_at − p_to + p_from = target`.
     Beside {
         /// Who and when.
         at: Place,
@@ -57,8 +57,6 @@ pub enum Hold {
         to: Place,
         /// The carrier at the grasp, likewise.
         from: Place,
-        /// Unit rotation of what is carried from the grasp to then.
-        turn: c64,
         /// Metres.
         target: c64,
     },
@@ -319,10 +317,10 @@ impl Prepared {
         };
         match self.row.hold {
             Hold::Position { at, .. } => point(at, self.at, one),
-            Hold::Beside { at, to, from, turn, .. } => {
+            Hold::Beside { at, to, from, .. } => {
                 point(at, self.at, one);
                 add_point(&mut terms, to.path, to.frame, counts[to.path], -one);
-                add_point(&mut terms, from.path, from.frame, counts[from.path], turn);
+                add_point(&mut terms, from.path, from.frame, counts[from.path], one);
             }
             Hold::Facing { at, .. } => {
                 if let Some(direction) = self.at {

@@ -28,9 +28,9 @@ pub fn reference_translations<'a>(
             Hold::Position { at, .. } | Hold::Beside { at, .. } => {
                 let target = match prepared.row.hold {
                     Hold::Position { target, .. } => target,
-                    Hold::Beside { to, from, turn, target, .. } => {
+                    Hold::Beside { to, from, target, .. } => {
                         let on_path = |place: Place| path::at(path(place.path), place.frame);
-                        target + on_path(to) - turn * on_path(from)
+                        target + on_path(to) - on_path(from)
                     }
                     _ => continue,
                 };

@@ -4,7 +4,7 @@ use super::{Editor, named};
 use crate::edit::error::{EditError, Named};
 use crate::edit::expand::{Following, expand};
 use crate::edit::facing::Turns;
-use crate::edit::following::{OwnLoad, adopt, alike, follow, numbers, step, wanted, with_numbers};
+use crate::edit::following::{OwnLoad, alike, follow, numbers, step, wanted, with_numbers};
 use crate::edit::groups::{Group, spatial_groups};
 use crate::edit::hold::Hold;
 use crate::edit::mixing::Mixer;
@@ -129,21 +129,17 @@ impl Editor {
         pairs.map(apart).fold(0.0, f64::max)
     }
 
-    /// Gives rows relative to objects that move other numbers.
+    /// Gives rows relative to objects that move other targets.
     fn renumber(&mut self, all: &[Hold]) {
-        let mut changed = Vec::new();
         for ((row, hold), new) in self.following.iter_mut().zip(all).filter(|((_, old), new)| old != *new) {
             *hold = *new;
             let (group, place) = self.held[row.row];
             let Group { component, stale, .. } = &mut self.spatial[group];
             *stale = true;
-            if adopt(&mut component.held[place].row.hold, new) {
-                changed.push(group);
-            }
+            // Paths are numbered otherwise there.
+            let own = &mut component.held[place].row.hold;
+            *own = with_numbers(own, numbers(new));
         }
-        changed.sort_unstable();
-        changed.dedup();
-        changed.into_iter().for_each(|group| self.spatial[group].component.reassemble());
     }
 
     /// Groups and assembles all spatial rows anew, with these in place of those relative to moving objects.
