@@ -7,6 +7,7 @@ use std::path::Path;
 
 use cotillion::constraint::{ConstraintKind, Strength, When};
 use cotillion::edit::{Edit, EditError, Editor, Moved, Target};
+use cotillion::embody::embody;
 use cotillion::export::bvh::BvhOptions;
 use cotillion::export::report::report;
 use cotillion::export::scene::scene_files;
@@ -587,11 +588,12 @@ fn a_hand_on_a_table_stays_there_and_is_turned_as_asked() {
 fn reports_tell_who_has_what_and_what_is_not_reached() {
     let told = |text: &str| {
         let (scene, edit) = solved(text);
-        let resampled = resample(&scene, &edit).expect("a result of usual length");
+        let mut resampled = resample(&scene, &edit).expect("a result of usual length");
+        let embodied = embody(&scene, &edit, &mut resampled);
         let files = scene_files(&scene, &edit, &resampled, &BvhOptions::default());
         let svg = files.iter().find(|file| file.name == "scene.svg").expect("a picture");
         let svg = String::from_utf8(svg.bytes.clone()).expect("text");
-        (serde_json::to_value(report(&scene, &edit, &resampled)).expect("JSON"), svg)
+        (serde_json::to_value(report(&embodied, &edit, &resampled)).expect("JSON"), svg)
     };
     let (relay, svg) = told(RELAY);
     for meaning in ["way of an object", "grasped", "released"] {
