@@ -130,6 +130,11 @@ fn near() -> impl Strategy<Value = String> {
     (-8.0..8.0_f64, -8.0..8.0_f64).prop_map(|(x, y)| format!("[{x:?}, {y:?}]"))
 }
 
+/// Strengths as people write them.
+fn usual() -> impl Strategy<Value = String> {
+    select(vec!["", "strength = \"hard\"\n", "strength = 1.0\n"]).prop_map(str::to_owned)
+}
+
 /// What has to do with objects that move, and with hands.
 fn thing() -> impl Strategy<Value = String> {
     let by = select(vec![("a", "\"a\""), ("b", "\"b\""), ("a", "\"a\", \"b\""), ("b", "\"c\", \"b\"")]);
@@ -140,11 +145,11 @@ fn thing() -> impl Strategy<Value = String> {
     let things = || select(vec!["box", "cart"]);
     let facing = select(vec!["", "facing = 30\n", "facing = \"rest\"\n"]);
     let beside =
-        (moment(), things(), near(), facing, strength()).prop_map(|(at, to, place, facing, strength)| {
+        (moment(), things(), near(), facing, usual()).prop_map(|(at, to, place, facing, strength)| {
             format!("[[relative]]\nat = {at}\nto = \"{to}\"\noffset = {place}\n{facing}{strength}")
         });
     let who = select(vec!["a", "b", "c"]);
-    let along = (who.clone(), things(), strength()).prop_map(|(who, to, strength)| {
+    let along = (who.clone(), things(), usual()).prop_map(|(who, to, strength)| {
         format!("[[relative]]\nduring = [\"{who}:12\", \"{who}:75\"]\nto = \"{to}\"\n{strength}")
     });
     let targets = prop_oneof![
@@ -158,9 +163,9 @@ fn thing() -> impl Strategy<Value = String> {
                 "[[end_effector]]\nat = \"{at}\"\njoint = \"right_hand\"\ntarget = {target}\n{orientation}"
             )
         });
-    let pin = (moment(), near(), strength())
+    let pin = (moment(), near(), usual())
         .prop_map(|(at, place, strength)| format!("[[pin]]\nat = {at}\nposition = {place}\n{strength}"));
-    let time = (who, -5.0..20.0_f64, strength()).prop_map(|(who, seconds, strength)| {
+    let time = (who, -5.0..20.0_f64, usual()).prop_map(|(who, seconds, strength)| {
         format!("[[time]]\nat = \"{who}:41\"\nseconds = {seconds:?}\n{strength}")
     });
     prop_oneof![2 => carry, 2 => beside, 1 => along, 1 => reach, 1 => pin, 1 => time]
