@@ -621,8 +621,12 @@ fn reports_tell_who_has_what_and_what_is_not_reached() {
     let constraints = slap["constraints"].as_array().expect("constraints");
     let reach = &constraints[constraints.len() - 1];
     assert_eq!((&reach["kind"], &reach["unit"]), (&"end_effector".into(), &"m".into()));
-    assert!(reach["shortfall"].as_f64() > Some(0.1), "nobody has moved the hand yet: {reach}");
-    assert_eq!(reach["shortfall"], reach["residual"]);
+    assert!(reach["residual"].as_f64() < Some(1e-3) && reach.get("shortfall").is_none(), "{reach}");
+    let (off, _) = told(&format!("{SLAP}[full_body]\nenabled = false\n"));
+    let constraints_off = off["constraints"].as_array().expect("constraints");
+    let missed = &constraints_off[constraints_off.len() - 1];
+    assert!(missed["shortfall"].as_f64() > Some(0.1), "nobody moves the hand: {missed}");
+    assert_eq!(missed["shortfall"], missed["residual"]);
     assert!(reach.get("strength").is_none());
     let names: Vec<&Value> = slap["moments"].as_array().into_iter().flatten().map(|m| &m["name"]).collect();
     assert!(names.contains(&&Value::from("ann:start")), "moments of reaches are told: {names:?}");
