@@ -192,6 +192,24 @@ fn cycles_close_in_pose_and_speed() {
 }
 
 #[test]
+fn who_neither_sets_off_nor_halts_ends_as_it_began() {
+    let speeds = |name| {
+        let (low, high) = info(name).parameters[0].range;
+        [0.0, 0.3, 0.77, 1.0].map(|share| low + share * (high - low))
+    };
+    for (name, speed) in LOCOMOTION.iter().flat_map(|name| speeds(name).map(|speed| (name, speed))) {
+        for seconds in [0.5, 4.0] {
+            let clip = steady(name, &[("speed", speed), ("seconds", seconds)]);
+            let [first, last] =
+                [0, clip.frame_count() - 1].map(|frame| clip.pose(SourceFrame::from_usize(frame)));
+            let gap = turn_between(&first.rotations, &last.rotations);
+            assert!(gap < CLOSED, "{name} at {speed} m/s: {gap}");
+            assert!((first.root.y - last.root.y).abs() < ROUNDING, "{name} at {speed} m/s");
+        }
+    }
+}
+
+#[test]
 fn a_walk_of_the_default_speed_holds_three_cycles() {
     let clip = made("walk", &[]);
     assert_eq!((clip.frame_count(), cycle(&clip)), (103, 34));
@@ -345,7 +363,8 @@ fn any_parameters(name: &'static str) -> impl Strategy<Value = Vec<(&'static str
         .map(|parameter| {
             let (low, high) = parameter.range;
             let high = if parameter.name == "seconds" { 4.0 } else { high };
-            let value = prop_oneof![2 => low..=high, 1 => Just(low), 1 => Just(high)];
+            let between = if parameter.is_switch() { 0 } else { 2 };
+            let value = prop_oneof![between => low..=high, 1 => Just(low), 1 => Just(high)];
             value.prop_map(move |value| (parameter.name, value))
         })
         .collect();
