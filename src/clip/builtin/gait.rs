@@ -21,9 +21,9 @@ use crate::skeleton::Pose;
 
 /// Seconds in which a foot that has struck comes down flat, and in which its heel rises before the toes lift.
 const LANDING: f64 = 2.0 / FPS;
-const HEEL_RISING: f64 = 0.25;
+const HEEL_RISING: f64 = 0.24;
 /// Longest rise of the heel, in cycles.
-const LONGEST_RISE: f64 = 0.21;
+const LONGEST_RISE: f64 = 0.23;
 /// Pitch of the foot at its strike, less in slow walks, radians.
 const STRIKE_PITCH: f64 = -0.30;
 /// Phase of the strongest support by the left leg: the pelvis is highest and farthest left.
@@ -41,7 +41,7 @@ const COMING: [f64; 2] = [0.4, 1.2];
 /// Share of a straight leg that the most stretched leg of the cycle has.
 const LONGEST_LEG: f64 = 0.997;
 /// The same while setting off and halting.
-const LONGEST_LEG_BETWEEN: f64 = 0.997;
+const LONGEST_LEG_BETWEEN: f64 = 0.9977;
 
 /// A way to walk.
 #[derive(Clone, Debug)]
