@@ -85,11 +85,11 @@ fn described(info: &BuiltinInfo) -> String {
     for parameter in info.parameters {
         let (default, (low, high)) = (parameter.default, parameter.range);
         let values = if parameter.is_switch() {
-            format!("0 or 1 (default {default})")
+            format!("; 0 or 1 (default {default})")
         } else {
-            format!("(default {default} {}, {low} to {high})", parameter.unit)
+            format!(" (default {default} {}, {low} to {high})", parameter.unit)
         };
-        text += &format!("    {:<10} {} {values}\n", parameter.name, parameter.description);
+        text += &format!("    {:<10} {}{values}\n", parameter.name, parameter.description);
     }
     if !info.events.is_empty() {
         text += &format!("    events: {}\n", info.events.join(", "));
