@@ -83,11 +83,13 @@ pub(crate) fn clips(args: &ClipsArgs) -> Result<(), Failure> {
 fn described(info: &BuiltinInfo) -> String {
     let mut text = format!("builtin:{:<8} {}\n", info.name, info.description);
     for parameter in info.parameters {
-        let (low, high) = parameter.range;
-        text += &format!(
-            "    {:<10} {} (default {} {}, {low} to {high})\n",
-            parameter.name, parameter.description, parameter.default, parameter.unit
-        );
+        let (default, (low, high)) = (parameter.default, parameter.range);
+        let values = if parameter.is_switch() {
+            format!("; 0 or 1 (default {default})")
+        } else {
+            format!(" (default {default} {}, {low} to {high})", parameter.unit)
+        };
+        text += &format!("    {:<10} {}{values}\n", parameter.name, parameter.description);
     }
     if !info.events.is_empty() {
         text += &format!("    events: {}\n", info.events.join(", "));

@@ -8,25 +8,24 @@
 
 use std::f64::consts::TAU;
 
-use glam::DVec3;
+use glam::{DQuat, DVec3};
 
 use super::body::{ANKLE_HEIGHT, Body, HEEL_OFFSET, PELVIS_HEIGHT, Side, TOE_OFFSET, Trunk};
 use super::course::{Course, Place};
 use super::limbs::Foot;
 use super::mass::GRAVITY;
+use super::swing::{TOE_OFF, ahead, bump, heel_rise, swinging_pitch, swinging_toe};
 use super::{FPS, stand};
-use crate::geometry::smoothstep;
+use crate::geometry::{smoothstep, yaw};
 use crate::skeleton::Pose;
 
-/// Phases of one foot, in cycles from its strike: flat, heel lifting, toes lifting.
-const FLAT: f64 = 0.10;
-const HEEL_OFF: f64 = 0.36;
-const TOE_OFF: f64 = 0.61;
-/// Pitch of the foot at its strike, less in slow walks, and when the toes lift, radians.
+/// Seconds in which a foot that has struck comes down flat, and in which its heel rises before the toes lift.
+const LANDING: f64 = 2.0 / FPS;
+const HEEL_RISING: f64 = 0.24;
+/// Longest rise of the heel, in cycles.
+const LONGEST_RISE: f64 = 0.23;
+/// Pitch of the foot at its strike, less in slow walks, radians.
 const STRIKE_PITCH: f64 = -0.30;
-const TOE_OFF_PITCH: f64 = 1.05;
-/// Exponent of the heel's rise in time.
-const HEEL_RISE: f64 = 1.5;
 /// Phase of the strongest support by the left leg: the pelvis is highest and farthest left.
 const MID_STANCE: f64 = 0.31;
 /// Ankles beside the line of walking, metres.
@@ -42,7 +41,7 @@ const COMING: [f64; 2] = [0.4, 1.2];
 /// Share of a straight leg that the most stretched leg of the cycle has.
 const LONGEST_LEG: f64 = 0.997;
 /// The same while setting off and halting.
-const LONGEST_LEG_BETWEEN: f64 = 0.999;
+const LONGEST_LEG_BETWEEN: f64 = 0.9977;
 
 /// A way to walk.
 #[derive(Clone, Debug)]
@@ -113,7 +112,7 @@ impl Gait {
         let half_period = (step / speed * FPS).round() / FPS;
         let height = PELVIS_HEIGHT * body.scale;
         let usual = speed / (1.2 * body.scale.sqrt());
-        let strike_pitch = STRIKE_PITCH * usual.clamp(0.5, 1.0);
+        let strike_pitch = STRIKE_PITCH * usual.clamp(0.3, 1.0);
         let ends = Ends::default();
         let mut gait = Self {
             height,
@@ -155,7 +154,7 @@ impl Gait {
         let plant = |cycle: f64| self.plant(side, cycle + delay);
         let step = Step { before: plant(cycle - 1.0), plant: plant(cycle), next: plant(cycle + 1.0) };
         if step.plant == step.next {
-            return self.landing(step, if phase < FLAT { phase } else { FLAT });
+            return self.landing(step, phase.min(self.flat()));
         }
         if phase < TOE_OFF { self.supporting(step, phase) } else { self.swinging(step, phase) }
     }
@@ -218,9 +217,19 @@ impl Gait {
         FARTHEST * self.body.scale * (leaving + coming)
     }
 
+    /// Phase at which a foot that has struck is flat.
+    fn flat(&self) -> f64 {
+        LANDING / self.period
+    }
+
+    /// Phase at which a heel begins to rise.
+    fn heel_off(&self) -> f64 {
+        TOE_OFF - (HEEL_RISING / self.period).min(LONGEST_RISE)
+    }
+
     /// Distance of a striking ankle ahead of the pelvis, metres.
     fn reach_ahead(&self) -> f64 {
-        0.225 * self.speed * self.period
+        0.235 * self.speed * self.period
     }
 
     /// Largest height of the pelvis at which both legs reach their feet all the time, by bisection.
@@ -266,8 +275,9 @@ impl Gait {
     fn reaches(&self, [first, cycles]: [f64; 2], longest: f64) -> bool {
         let even = (0..60).map(|k| first + cycles * f64::from(k) / 60.0);
         let half_cycles = (0..6).map(|k| (2.0 * first).floor() / 2.0 + 0.5 * f64::from(k));
-        let lifts =
-            half_cycles.map(|half| half + HEEL_OFF).filter(|lift| (first..first + cycles).contains(lift));
+        let lifts = half_cycles
+            .map(|half| half + self.heel_off())
+            .filter(|lift| (first..first + cycles).contains(lift));
         let mut instants = even.chain(lifts);
         instants.all(|instant| self.pose_on_course(self.period * instant, 1.0).1 < longest)
     }
@@ -323,12 +333,12 @@ impl Gait {
 
     /// On the ground: toes come down, flat, heel goes up about the toe joint.
     fn supporting(&self, step: Step, phase: f64) -> Foot {
-        if phase < HEEL_OFF {
+        if phase < self.heel_off() {
             return self.landing(step, phase);
         }
         let turn = step.plant.turn;
-        let rise = (phase - HEEL_OFF) / (TOE_OFF - HEEL_OFF);
-        let pitch = TOE_OFF_PITCH * rise.powf(HEEL_RISE);
+        let cycles = TOE_OFF - self.heel_off();
+        let pitch = heel_rise((phase - self.heel_off()) / cycles, cycles);
         let ankle = self.about(TOE_OFFSET, step.plant, pitch);
         self.planted(step.plant, Foot { ankle, turn, pitch, toe: -pitch })
     }
@@ -339,7 +349,7 @@ impl Gait {
         let pitch = if step.before == step.plant {
             0.0
         } else {
-            self.strike_pitch * (1.0 - smoothstep(phase / FLAT))
+            self.strike_pitch * (1.0 - smoothstep(phase / self.flat()))
         };
         let ankle = self.about(HEEL_OFFSET, step.plant, pitch);
         self.planted(step.plant, Foot { ankle, turn, pitch, toe: 0.0 })
@@ -356,41 +366,26 @@ impl Gait {
         self.body.pivoted(point, plant.ankle, [plant.turn, pitch])
     }
 
-    /// In the air: from where the toes left the plant to the next one, without a jump in place or speed.
+    /// In the air: the toe joint goes from the plant to where it is at the next strike, upwards before ahead; the heel
+    /// turns about it.
     fn swinging(&self, step: Step, phase: f64) -> Foot {
-        /// Additional height of the ankle half way, metres.
-        const LIFT: f64 = 0.052;
-        /// Share of the swing in which the toes straighten.
-        const STRAIGHTENING: f64 = 0.7;
-        /// Step of the difference quotient for the ankle's speed at the start, radians.
-        const SMALL: f64 = 1e-6;
+        /// Additional height of the toe joint half way, metres.
+        const LIFT: f64 = 0.04;
         let u = (phase - TOE_OFF) / (1.0 - TOE_OFF);
-        // Rates are per swing.
-        let pitch_rate = HEEL_RISE * TOE_OFF_PITCH * (1.0 - TOE_OFF) / (TOE_OFF - HEEL_OFF);
-        let place = self.course.place(step.plant.ankle.z);
-        let lifted = |pitch| self.course.bend(place, self.about(TOE_OFFSET, step.plant, pitch));
-        let from = lifted(TOE_OFF_PITCH);
-        let rate = (from - lifted(TOE_OFF_PITCH - SMALL)) / SMALL * pitch_rate;
-        let next = self.course.place(step.next.ankle.z);
-        let to = self.course.bend(next, self.about(HEEL_OFFSET, step.next, self.strike_pitch));
-        let bump = DVec3::Y * (LIFT * self.body.scale * 16.0 * (u * (1.0 - u)).powi(2));
-        let ankle = DVec3::new(
-            hermite([from.x, to.x], [rate.x, 0.0], u),
-            hermite([from.y, to.y], [rate.y, 0.0], u),
-            hermite([from.z, to.z], [rate.z, 0.0], u),
-        ) + bump;
+        let bent = |plant: Plant, point| self.course.bend(self.course.place(plant.ankle.z), point);
+        let from = bent(step.plant, step.plant.ankle + self.to_toe(step.plant.turn, 0.0));
+        let struck = self.about(HEEL_OFFSET, step.next, self.strike_pitch);
+        let to = bent(step.next, struck + self.to_toe(step.next.turn, self.strike_pitch));
+        let height = from.y + (to.y - from.y) * smoothstep(u) + LIFT * self.body.scale * bump(u);
+        let toe_joint = self.course.to_world((from + (to - from) * ahead(u)).with_y(height));
         let turn_at = |plant: Plant| self.course.place(plant.ankle.z).heading + plant.turn;
         let turn = turn_at(step.plant) + (turn_at(step.next) - turn_at(step.plant)) * smoothstep(u);
-        let pitch = hermite([TOE_OFF_PITCH, self.strike_pitch], [pitch_rate, 0.0], u);
-        let straight = (u / STRAIGHTENING).min(1.0);
-        let toe = hermite([-TOE_OFF_PITCH, 0.0], [-pitch_rate * STRAIGHTENING, 0.0], straight);
-        Foot { ankle: self.course.to_world(ankle), turn, pitch, toe }
+        let pitch = swinging_pitch(self.strike_pitch, u);
+        Foot { ankle: toe_joint - self.to_toe(turn, pitch), turn, pitch, toe: swinging_toe(pitch, u) }
     }
-}
 
-/// Cubic on [0, 1] with the given values and slopes at its ends.
-fn hermite(values: [f64; 2], slopes: [f64; 2], u: f64) -> f64 {
-    let (v, w) = (1.0 - u, u);
-    values[0] * v * v * (1.0 + 2.0 * w) + values[1] * w * w * (1.0 + 2.0 * v) + slopes[0] * w * v * v
-        - slopes[1] * w * w * v
+    /// From the ankle to the toe joint, metres.
+    fn to_toe(&self, turn: f64, pitch: f64) -> DVec3 {
+        yaw(turn) * (DQuat::from_rotation_x(pitch) * (TOE_OFFSET * self.body.scale))
+    }
 }

@@ -74,11 +74,11 @@ fn jump(body: &Body, values: &Values) -> Made {
         turns: 0.0,
         crouch: Attitude { pitch: 0.55, bend: 0.35, swing: 0.60, elbow: 0.35 },
         leave: Attitude { pitch: 0.20, bend: 0.05, swing: -2.0, elbow: 0.35 },
-        flying: Attitude { pitch: 0.0, bend: 0.30, swing: -1.7, elbow: 0.35 },
+        flying: Attitude { pitch: 0.0, bend: 0.12, swing: -1.7, elbow: 0.35 },
         land: Attitude { pitch: 0.35, bend: 0.30, swing: -0.9, elbow: 0.35 },
         give: Attitude { pitch: 0.46, bend: 0.40, swing: -0.35, elbow: 0.45 },
-        tuck: (0.9, 1.2),
-        tucked: (0.45, 0.55),
+        tuck: (0.55, 0.95),
+        tucked: (0.55, 0.60),
     };
     made(body, &style)
 }
@@ -92,11 +92,11 @@ fn jump_over(body: &Body, values: &Values) -> Made {
         turns: 0.0,
         crouch: Attitude { pitch: 0.55, bend: 0.35, swing: 0.60, elbow: 0.35 },
         leave: Attitude { pitch: 0.20, bend: 0.05, swing: -2.0, elbow: 0.35 },
-        flying: Attitude { pitch: 0.0, bend: 0.50, swing: -1.3, elbow: 0.45 },
+        flying: Attitude { pitch: 0.0, bend: 0.30, swing: -1.5, elbow: 0.40 },
         land: Attitude { pitch: 0.35, bend: 0.30, swing: -0.9, elbow: 0.35 },
         give: Attitude { pitch: 0.46, bend: 0.40, swing: -0.35, elbow: 0.45 },
-        tuck: (0.9 + 0.85 * high, 1.1 + 0.8 * high),
-        tucked: (0.42, 0.58),
+        tuck: (0.7 + 0.75 * high, 1.0 + 0.8 * high),
+        tucked: (0.50, 0.55),
     };
     // Who jumps higher has the feet higher by at least as much.
     for _ in 0..8 {

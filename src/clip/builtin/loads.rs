@@ -29,7 +29,7 @@ const CARRY: BuiltinInfo = BuiltinInfo {
         TURN,
         BuiltinParameter {
             name: "seconds",
-            description: "length, with stop = 1 to the nearest cycle",
+            description: "length, to the nearest cycle unless it only starts",
             unit: "s",
             default: 7.5,
             range: (0.5, 600.0),
@@ -64,7 +64,7 @@ const PUSH: BuiltinInfo = BuiltinInfo {
         BuiltinParameter { range: (-20.0, 20.0), ..TURN },
         BuiltinParameter {
             name: "seconds",
-            description: "length, with stop = 1 to the nearest cycle",
+            description: "length, to the nearest cycle unless it only starts",
             unit: "s",
             default: 8.0,
             range: (0.5, 600.0),

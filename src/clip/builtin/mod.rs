@@ -29,6 +29,7 @@ mod run;
 mod side;
 mod sit;
 mod stand;
+mod swing;
 mod walks;
 
 use std::collections::BTreeMap;
@@ -63,12 +64,19 @@ pub struct BuiltinParameter {
     pub name: &'static str,
     /// One line.
     pub description: &'static str,
-    /// Unit of the numbers.
+    /// Unit of the numbers; empty for a switch.
     pub unit: &'static str,
     /// Value where none is given.
     pub default: f64,
     /// Smallest and largest value, both allowed.
     pub range: (f64, f64),
+}
+
+impl BuiltinParameter {
+    /// Whether it is 0 or 1 and nothing between.
+    pub const fn is_switch(&self) -> bool {
+        self.unit.is_empty()
+    }
 }
 
 /// Why a clip could not be generated.
@@ -112,6 +120,16 @@ pub enum BuiltinError {
         range: (f64, f64),
         /// Unit of the numbers.
         unit: &'static str,
+    },
+    /// A value between those of a switch.
+    #[error("{parameter} = {value} of generated clip \"{clip}\" is neither 0 nor 1")]
+    NoSwitch {
+        /// Name of the clip.
+        clip: &'static str,
+        /// Name of the parameter.
+        parameter: &'static str,
+        /// As asked for.
+        value: f64,
     },
 }
 
@@ -158,7 +176,7 @@ fn generators() -> impl Iterator<Item = &'static Generator> {
 /// The generated clip `name` with `parameters`, defaults for those left out.
 ///
 /// # Errors
-/// [`BuiltinError`] for an unknown name, an unknown parameter, a value out of range.
+/// [`BuiltinError`] for an unknown name, an unknown parameter, a value out of range, a switch that is neither 0 nor 1.
 pub fn generate(name: &str, parameters: &BTreeMap<String, f64>) -> Result<Clip, BuiltinError> {
     let generator = generators().find(|generator| generator.info.name == name).ok_or_else(|| {
         BuiltinError::UnknownName {
@@ -193,6 +211,9 @@ fn check(info: &BuiltinInfo, parameters: &BTreeMap<String, f64>) -> Result<(), B
             parameter: name.clone(),
             suggestion: closest(name, info.parameters.iter().map(|parameter| parameter.name)),
         })?;
+        if parameter.is_switch() && ![0.0, 1.0].contains(value) {
+            return Err(BuiltinError::NoSwitch { clip: info.name, parameter: parameter.name, value: *value });
+        }
         let (low, high) = parameter.range;
         // Written so that NaN is out of range.
         if !(low <= *value && *value <= high) {

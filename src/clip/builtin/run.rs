@@ -14,7 +14,7 @@ use super::body::{ANKLE_HEIGHT, Body, HEEL_OFFSET, Side, TOE_OFFSET, Trunk};
 use super::curve::Curve;
 use super::limbs::{ArmAngles, Foot};
 use super::mass::{GRAVITY, balance, ballistic};
-use super::walks::{SPEED_HELP, TURN};
+use super::walks::{SPEED_HELP, TURN, whole_cycles};
 use super::{BuiltinInfo, BuiltinParameter, FPS, Generator, Made, STATURE, Values, frame_at};
 use crate::geometry::{smoothstep, yaw};
 use crate::index::floor_index;
@@ -36,7 +36,7 @@ const RUN: BuiltinInfo = BuiltinInfo {
         TURN,
         BuiltinParameter {
             name: "seconds",
-            description: "length; at the default speed a cycle takes 11/15 s",
+            description: "length, to the nearest cycle; at the default speed one takes 11/15 s",
             unit: "s",
             default: 2.2,
             range: (0.5, 600.0),
@@ -68,8 +68,8 @@ const AHEAD: [f64; 2] = [0.25, 0.32];
 const LONGEST_LEG: f64 = 0.991;
 
 fn run(body: &Body, values: &Values) -> Made {
-    let last_frame = frame_at(values["seconds"]);
     let mut running = Running::new(body.clone(), values["speed"], values["turn"].to_radians());
+    let last_frame = frame_at(whole_cycles(values["seconds"], 2.0 * running.step));
     running.plan_steps(last_frame as f64 / FPS);
     let poses = (0..=last_frame).map(|frame| running.pose(frame as f64 / FPS)).collect();
     Made { poses, events: Vec::new() }

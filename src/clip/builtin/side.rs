@@ -7,6 +7,7 @@ use glam::DVec3;
 use super::body::{Body, Side, Trunk};
 use super::limbs::{ArmAngles, Foot};
 use super::stand;
+use super::walks::whole_cycles;
 use super::{BuiltinInfo, BuiltinParameter, FPS, Generator, Made, STATURE, Values, frame_at};
 use crate::geometry::smoothstep;
 use crate::skeleton::Pose;
@@ -33,7 +34,7 @@ const SIDE_STEP: BuiltinInfo = BuiltinInfo {
         },
         BuiltinParameter {
             name: "seconds",
-            description: "length, with stop = 1 to the nearest cycle",
+            description: "length, to the nearest cycle unless it only starts",
             unit: "s",
             default: 4.0,
             range: (0.5, 600.0),
@@ -102,6 +103,8 @@ fn side_step(body: &Body, values: &Values) -> Made {
         let cycles = ((seconds - before - standing) / stepping.period).round().max(fewest);
         stepping.stop = Some(cycles);
         seconds = before + cycles * stepping.period + standing;
+    } else if !stepping.starts {
+        seconds = whole_cycles(seconds, stepping.period);
     }
     let poses = (0..=frame_at(seconds)).map(|frame| stepping.pose(frame as f64 / FPS - before));
     Made { poses: poses.collect(), events: Vec::new() }

@@ -30,7 +30,7 @@ const SECONDS: BuiltinParameter =
 
 const SEAT: BuiltinParameter = BuiltinParameter {
     name: "seat",
-    description: "height of the seat, 0.13 of 1.75 m below the pelvis when it bears",
+    description: "height of the seat; who sits has the pelvis 0.13 m above it, at another stature in proportion",
     unit: "m",
     default: 0.45,
     range: (0.3, 0.5),

@@ -55,7 +55,7 @@ const WALK: BuiltinInfo = BuiltinInfo {
         TURN,
         BuiltinParameter {
             name: "seconds",
-            description: "length, with stop = 1 to the nearest cycle; at the default speed one takes 17/15 s",
+            description: "length, to the nearest cycle unless it only starts; at the default speed one takes 17/15 s",
             unit: "s",
             default: 3.4,
             range: (0.5, 600.0),
@@ -98,7 +98,7 @@ impl Schedule {
 }
 
 /// Has a gait begin and end as `start` and `stop` ask for, with seconds of standing before and after; `seconds` of the clip,
-/// where it stops to the nearest cycle.
+/// to the nearest cycle unless it only starts.
 pub(super) fn schedule(gait: &mut Gait, values: &Values, standing: [f64; 2]) -> Schedule {
     let (starts, stops) = (values["start"] >= 0.5, values["stop"] >= 0.5);
     let before =
@@ -109,10 +109,17 @@ pub(super) fn schedule(gait: &mut Gait, values: &Values, standing: [f64; 2]) -> 
         let cycles = ((seconds - before - after) / gait.period).round().max(if starts { 1.0 } else { 0.0 });
         stop = Some(cycles);
         seconds = before + cycles * gait.period + after;
+    } else if !starts {
+        seconds = whole_cycles(seconds, gait.period);
     }
     gait.end_at(Ends { start: starts, stop });
     let halted = stop.map(|stop| gait.period * (stop + HALTING));
     Schedule { before, halted, last_frame: frame_at(seconds) }
+}
+
+/// Seconds of the nearest number of whole cycles, of one at least: the clip ends as it began.
+pub(super) fn whole_cycles(seconds: f64, period: f64) -> f64 {
+    (seconds / period).round().max(1.0) * period
 }
 
 fn walk(body: &Body, values: &Values) -> Made {

@@ -357,6 +357,7 @@ proptest! {
             .parameters
             .iter()
             .zip(shares)
+            .map(|(p, share)| (p, if p.is_switch() { share.round() } else { share }))
             .map(|(p, share)| (p.name, p.range.0 + share * (p.range.1.min(12.0) - p.range.0)))
             .collect();
         let clip = made(info.name, &values);

@@ -151,3 +151,14 @@ fn flights_keep_their_angular_momentum() {
         }
     }
 }
+
+#[test]
+fn who_jumps_forward_goes_forward_all_the_way() {
+    for clip in [made("jump", &[]), made("jump", &[("distance", 0.9)]), made("jump_over", &[])] {
+        let [takeoff, landing] = ["takeoff", "landing"].map(|event| clip.events[event].as_usize());
+        for frame in takeoff..landing {
+            let step = clip.root_positions[frame + 1].z - clip.root_positions[frame].z;
+            assert!(step > 0.0, "{} {frame}: {} m/s", clip.name, step * FPS);
+        }
+    }
+}

@@ -95,7 +95,7 @@ fn nothing_sinks_into_the_ground() {
             for index in 0..frames.len() {
                 let lowest = end_site(&clip, &frames, index)
                     .map_or(frames[index].position.y, |end| end.y.min(frames[index].position.y));
-                assert!(lowest > sole - 0.005, "{} {frame}: joint {index} at {lowest}", clip.name);
+                assert!(lowest > sole - ROUNDING, "{} {frame}: joint {index} at {lowest}", clip.name);
             }
         }
     }
@@ -179,6 +179,8 @@ fn mistakes_name_what_is_known() {
         "generated clip \"idle\" has no parameter \"secnds\"; did you mean \"seconds\"? (known: \"seconds\", \"stature\")"
     );
     assert_eq!(wrong("walk", "speed", 9.0), "speed = 9 of generated clip \"walk\" is outside 0.5 to 1.8 m/s");
+    assert_eq!(wrong("walk", "start", 0.5), "start = 0.5 of generated clip \"walk\" is neither 0 nor 1");
+    assert_eq!(wrong("walk", "stop", 2.0), "stop = 2 of generated clip \"walk\" is neither 0 nor 1");
     assert!(wrong("idle", "seconds", f64::NAN).contains("NaN"));
 }
 
@@ -187,6 +189,7 @@ fn every_default_is_in_its_range_and_every_event_in_its_clip() {
     for info in names() {
         let clip = made(info.name, &[]);
         assert!(info.parameters.iter().all(|p| p.range.0 <= p.default && p.default <= p.range.1));
+        assert!(info.parameters.iter().all(|p| !p.is_switch() || p.range == (0.0, 1.0)));
         assert!(info.events.iter().all(|event| clip.events[*event].as_usize() < clip.frame_count()));
         assert_eq!(clip.events.len(), info.events.len());
         let _root: JointId = clip.skeleton.joint_of(JointRole::Pelvis).expect("a pelvis");
