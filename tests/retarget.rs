@@ -10,7 +10,7 @@ use cotillion::clip::contacts::{FootPoint, foot_point};
 use cotillion::clip::file::read_file;
 use cotillion::clip::measure::foot_slide;
 use cotillion::clip::read::ReadOptions;
-use cotillion::clip::retarget::{RetargetReport, retarget};
+use cotillion::clip::retarget::retarget;
 use cotillion::clip::working::{WORKING_STEP, WorkingClip};
 use cotillion::index::SourceFrame;
 use cotillion::skeleton::{JointFrame, JointRole, Pose};
@@ -21,9 +21,11 @@ fn measure(from: &str, onto: &str) -> Result<(), Failed> {
     let (there, report) = retarget(&a, &b)?;
     let (back, _) = retarget(&there, &a)?;
     let slides = slides(&a, &there);
+    let own = [&a, &there].map(|c| cotillion::clip::measure::foot_slide_working(&working(c)).unwrap_or(0.0));
+    println!("own {:.3} src {:.3}", own[1] / (own[0] * report.scale), slides[1] / (slides[0] * report.scale));
     let lows = lows(&a, &there);
     println!(
-        "{from:45} {onto:40} scale {:.3} short {:.4} slide {:.4} {:.4} low {:.4} {:?}",
+        "{from:45} {onto:40} scale {:.3} short {:.4} slide {:.4} {:.4} low {:.4?} {:?}",
         report.scale,
         report.shortfall,
         slides[0] * report.scale,

@@ -5,6 +5,7 @@ use std::path::Path;
 use std::sync::Arc;
 
 use crate::constraint::Instant;
+use crate::scene::bodies::Bodies;
 use crate::scene::checker::{Checked, check_intervals, plan_point};
 use crate::scene::clips::{self, ClipFolders, Declared, Folders, check_name, within};
 use crate::scene::constraints;
@@ -96,8 +97,13 @@ fn cast(raw: &raw::Scene, clips: &[Declared], report: &mut Report) -> Vec<Member
         report.fault(&Place::default(), "the scene has no character", help);
     }
     let mut used = vec![false; clips.len()];
-    let cast =
-        characters.iter().map(|character| member(&character.value, clips, &mut used, report)).collect();
+    let mut bodies = Bodies::new(clips);
+    let members = characters.iter().map(|character| {
+        let mut member = member(&character.value, clips, &mut used, report);
+        bodies.embody(&character.value, &mut member, &mut used, report);
+        member
+    });
+    let cast = members.collect();
     clips::warn_of_unused(clips, &used, report);
     cast
 }
@@ -206,15 +212,6 @@ fn track(
     let places = character.track.given()?;
     let clips: Option<Vec<_>> = member.track.iter().map(|entry| entry.clip.clone()).collect();
     let clips = clips.filter(|clips| !clips.is_empty())?;
-    let skeleton = &clips[0].clip.skeleton;
-    if let Some(other) = clips.iter().position(|clip| !skeleton.matches(&clip.clip.skeleton)) {
-        let (first, second) = (&clips[0].name, &clips[other].name);
-        let message = format!(
-            "\"{first}\" and \"{second}\" have different skeletons; a track that mixes skeletons is not available yet"
-        );
-        report.fault(&places.value[other].place, message, "use clips of one skeleton on a track");
-        return None;
-    }
     let (track, seams) = Track::string(clips, protected, (position, facing));
     for seam in seams.iter().filter(|seam| seam.distance > seam.admissible) {
         let place = places.value.get(seam.entry).map_or(&places.place, |at| &at.place);

@@ -15,6 +15,13 @@ const ON_TOE: f64 = 0.1;
 /// A sole that looks up less than this bears on nothing: the cosine of 73°.
 const UPRIGHT: f64 = 0.3;
 
+/// An ankle rises or sinks by less than this for the length of the foot: rather the toe hangs a little, metres.
+const HIGHEST_RISE: f64 = 0.05;
+/// Share of its length up to which a leg is stretched.
+const STRETCHED: f64 = 0.9995;
+/// A body comes down no farther for its legs to reach, metres.
+const DEEPEST_DROP: f64 = 0.05;
+
 /// One leg of both bodies.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Leg {
@@ -79,7 +86,22 @@ impl Leg {
         };
         let delta = foot.longer;
         let stands = DVec3::Y.cross(flat) * delta.x + DVec3::Y * delta.y + flat * delta.z;
-        ankle + (sole * delta - stands) * on_toe
+        let mut shift = (sole * delta - stands) * on_toe;
+        shift.y = HIGHEST_RISE * (shift.y / HIGHEST_RISE).tanh();
+        ankle + shift
+    }
+
+    /// How far the hips must come down for the leg to reach `goal`, metres, at most [`DEEPEST_DROP`].
+    pub(super) fn drop(&self, frames: &[JointFrame], goal: DVec3) -> f64 {
+        let limb = limb(frames, self.joints);
+        let length = STRETCHED * limb.lengths().iter().sum::<f64>();
+        let to_goal = goal - limb.upper;
+        if to_goal.y > 0.0 || to_goal.length() <= length {
+            return 0.0;
+        }
+        let across_sq = to_goal.x * to_goal.x + to_goal.z * to_goal.z;
+        let reached = (length * length - across_sq).max(0.0).sqrt();
+        (-to_goal.y - reached).clamp(0.0, DEEPEST_DROP)
     }
 
     /// Turns thigh and shank so that the ankle comes to `goal`; the foot keeps its turn in the world. Gives how far the ankle
@@ -113,6 +135,19 @@ impl Leg {
         let ahead = frames[self.joints[0].as_usize()].rotation * self.knee_ahead;
         clip.bow() / length.max(f64::MIN_POSITIVE) + ahead * CLEAR_BOW
     }
+}
+
+/// Drops that are nowhere less than `drops` and come and go over `width` frames: the greatest near each frame, averaged.
+/// Cost: frames times `width`.
+pub(super) fn smooth_drops(drops: &[f64], width: usize) -> Vec<f64> {
+    if drops.iter().all(|drop| *drop == 0.0) {
+        return drops.to_vec();
+    }
+    let near = |frame: usize| frame.saturating_sub(width)..(frame + width + 1).min(drops.len());
+    let greatest: Vec<f64> =
+        (0..drops.len()).map(|frame| drops[near(frame)].iter().copied().fold(0.0, f64::max)).collect();
+    let mean = |values: &[f64]| values.iter().sum::<f64>() / values.len() as f64;
+    (0..drops.len()).map(|frame| mean(&greatest[near(frame)])).collect()
 }
 
 fn limb(frames: &[JointFrame], joints: [JointId; 3]) -> Limb {

@@ -15,12 +15,11 @@ use std::sync::Arc;
 use glam::{DQuat, DVec3};
 
 use crate::clip::Clip;
-use crate::clip::MovingOffset;
 use crate::clip::retarget::align::{Drive, drives};
 use crate::clip::retarget::legs::Leg;
 use crate::clip::retarget::stance::Stance;
 use crate::geometry::slerp;
-use crate::index::{JointId, SourceFrame};
+use crate::index::{JointId, SourceFrame, floor_index};
 use crate::skeleton::{JointFrame, JointRole, Pose, Skeleton};
 
 /// What became of the joints.
@@ -58,18 +57,25 @@ pub fn retarget(clip: &Clip, onto: &Clip) -> Result<(Clip, RetargetReport), Reta
     }
     let plan = Plan::new(clip, onto)?;
     let mut report = plan.report(&clip.skeleton);
-    let mut poses = Vec::with_capacity(clip.frame_count());
-    for frame in 0..clip.frame_count() {
-        let source = clip.skeleton.forward_kinematics(&clip.pose(SourceFrame::from_usize(frame)));
-        let (pose, shortfall) = plan.pose(&source);
+    let sources = || (0..clip.frame_count()).map(|frame| source_frames(clip, frame));
+    let (mut poses, reaches): (Vec<Pose>, Vec<f64>) = sources().map(|source| plan.standing(&source)).unzip();
+    let drops = legs::smooth_drops(&reaches, floor_index(DROP_FADE * clip.fps));
+    for (frame, (source, pose)) in sources().zip(&mut poses).enumerate() {
+        pose.root.y -= drops[frame];
+        let shortfall = plan.bring_legs(&source, pose);
         let is_usable = (clip.usable.0.as_usize()..=clip.usable.1.as_usize()).contains(&frame);
         report.shortfall = report.shortfall.max(if is_usable { shortfall } else { 0.0 });
-        poses.push(pose);
     }
     let made = Clip::from_poses(&clip.name, Arc::clone(&onto.skeleton), clip.fps, &poses);
-    let moving_offsets: Vec<MovingOffset> = Vec::new();
-    Ok((Clip { events: clip.events.clone(), usable: clip.usable, moving_offsets, ..made }, report))
+    Ok((Clip { events: clip.events.clone(), usable: clip.usable, ..made }, report))
 }
+
+fn source_frames(clip: &Clip, frame: usize) -> Vec<JointFrame> {
+    clip.skeleton.forward_kinematics(&clip.pose(SourceFrame::from_usize(frame)))
+}
+
+/// Where legs do not reach, the body comes down over so long before and after, seconds.
+const DROP_FADE: f64 = 0.1;
 
 /// Everything that is the same in all frames.
 struct Plan<'a> {
@@ -108,8 +114,9 @@ impl<'a> Plan<'a> {
         (place - DVec3::Y * from) * self.scale + DVec3::Y * to
     }
 
-    /// The pose like `source`, and how far the worse leg stays from its goal, metres.
-    fn pose(&self, source: &[JointFrame]) -> (Pose, f64) {
+    /// The pose like `source` with its hips where they belong, legs by attitude alone; and how far it must come down for
+    /// its legs to reach, metres.
+    fn standing(&self, source: &[JointFrame]) -> (Pose, f64) {
         let mut pose = self.attitudes(source);
         let mut frames = self.skeleton.forward_kinematics(&pose);
         let shift = self.place(middle(source, &self.source_hips)) - middle(&frames, &self.hips);
@@ -117,12 +124,20 @@ impl<'a> Plan<'a> {
         for frame in &mut frames {
             frame.position += shift;
         }
-        let mut shortfall: f64 = 0.0;
-        for leg in &self.legs {
-            let goal = leg.ankle_goal(self.place(source[leg.source[2].as_usize()].position), &frames);
-            shortfall = shortfall.max(leg.bring(&mut pose, (source, &frames), goal));
-        }
-        (pose, shortfall)
+        let drop = |leg: &Leg| leg.drop(&frames, self.goal(leg, source, &frames));
+        let drop = self.legs.iter().map(drop).fold(0.0, f64::max);
+        (pose, drop)
+    }
+
+    fn goal(&self, leg: &Leg, source: &[JointFrame], frames: &[JointFrame]) -> DVec3 {
+        leg.ankle_goal(self.place(source[leg.source[2].as_usize()].position), frames)
+    }
+
+    /// Brings the ankles of `pose` to their goals; how far the worse one stays from it, metres.
+    fn bring_legs(&self, source: &[JointFrame], pose: &mut Pose) -> f64 {
+        let frames = self.skeleton.forward_kinematics(pose);
+        let bring = |leg: &Leg| leg.bring(pose, (source, &frames), self.goal(leg, source, &frames));
+        self.legs.iter().map(bring).fold(0.0, f64::max)
     }
 
     /// Rotations by the drives, the root at the origin.

@@ -13,6 +13,8 @@ use crate::skeleton::{JointFrame, JointRole, Skeleton};
 const NEAR_AXIS: f64 = 0.906;
 /// Flat feet whose soles point up alike are flat: the mean of their unit normals is at least so long.
 const LEAST_AGREEMENT: f64 = 0.95;
+/// Of the frames in which both ends of a foot bear, one in so many, the lowest, is flat: in the others it rolls.
+const FLAT_PART: usize = 4;
 /// Share of the frames in which an ankle is lower than its floor, where no foot is ever flat.
 const FLOOR_SHARE: f64 = 0.01;
 
@@ -58,15 +60,22 @@ impl Stance {
 const POINTS: [[FootPoint; 2]; 2] =
     [[FootPoint::LeftHeel, FootPoint::LeftToe], [FootPoint::RightHeel, FootPoint::RightToe]];
 
-/// Frames of the ankle where both ends of the foot bear, left and right.
+/// Frames of the ankle where a foot stands flat, left and right: both ends bear, and are lowest.
 fn flat_feet(skeleton: &Skeleton, poses: &[Vec<JointFrame>]) -> [Vec<JointFrame>; 2] {
     let contacts = foot_contacts(skeleton, poses, poses, &ContactSettings::default());
     POINTS.map(|points| {
-        let Some(ankle) = foot_point(skeleton, points[0]) else {
+        let [Some(ankle), Some(toe)] = points.map(|point| foot_point(skeleton, point)) else {
             return Vec::new();
         };
         let is_flat = |index: &usize| points.iter().all(|point| contacts[*index].at(*point));
-        (0..poses.len()).filter(is_flat).map(|index| poses[index][ankle.joint.as_usize()]).collect()
+        let mut flat: Vec<(f64, JointFrame)> = (0..poses.len())
+            .filter(is_flat)
+            .map(|index| &poses[index])
+            .map(|frames| (ankle.place(frames).y + toe.place(frames).y, frames[ankle.joint.as_usize()]))
+            .collect();
+        flat.sort_by(|a, b| a.0.total_cmp(&b.0));
+        flat.truncate(flat.len().div_ceil(FLAT_PART));
+        flat.into_iter().map(|(_, frame)| frame).collect()
     })
 }
 
