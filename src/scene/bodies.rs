@@ -3,13 +3,18 @@
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-use crate::clip::retarget::{RetargetReport, retarget};
+use crate::clip::retarget::retarget;
 use crate::clip::working::WorkingClip;
+use crate::scene::Performed;
 use crate::scene::clips::{self, Declared};
 use crate::scene::moment::{Entry, Member};
 use crate::scene::raw;
 use crate::scene::report::{At, Report};
 use crate::scene::suggest;
+
+/// What to do about joints that correspond to none.
+const ROLES_HELP: &str =
+    "name joints by `roles` in the clips' tables where they were not understood, or leave it if it is right";
 
 /// Legs that fall short by less are not worth a word, metres.
 const NOTABLE_SHORTFALL: f64 = 0.005;
@@ -17,13 +22,16 @@ const NOTABLE_SHORTFALL: f64 = 0.005;
 /// Clips of a scene, and those that other bodies perform; each pair of clip and body is made once.
 pub struct Bodies<'a> {
     clips: &'a [Declared],
-    performed: BTreeMap<(usize, usize), Option<Arc<WorkingClip>>>,
+    made: BTreeMap<(usize, usize), Option<Made>>,
 }
+
+/// A clip on another body, and what became of its joints.
+type Made = (Arc<WorkingClip>, Performed);
 
 impl<'a> Bodies<'a> {
     /// Of these clips.
     pub const fn new(clips: &'a [Declared]) -> Self {
-        Self { clips, performed: BTreeMap::new() }
+        Self { clips, made: BTreeMap::new() }
     }
 
     /// Gives the clips on somebody's track one body: of the clip that `skeleton` names, else of the first. Joints that
@@ -42,10 +50,27 @@ impl<'a> Bodies<'a> {
             return;
         };
         for (entry, name) in member.track.iter_mut().zip(&track.value) {
-            if let Ok(clip) = clips::find(&name.value, self.clips) {
-                self.perform((clip, body), entry, name, report);
+            let Some(clip) = self.other(&name.value, entry, body) else {
+                continue;
+            };
+            if !self.made.contains_key(&(clip, body)) {
+                let made = self.make(entry, &self.clips[body].entry, name, report);
+                self.made.insert((clip, body), made);
+            }
+            let made = self.made.get(&(clip, body)).and_then(Option::as_ref);
+            entry.clip = made.map(|(clip, _)| Arc::clone(clip));
+            let is_new = |made: &&Made| !member.performed.contains(&made.1);
+            if let Some((_, performed)) = made.filter(is_new) {
+                member.performed.push(performed.clone());
             }
         }
+    }
+
+    /// Position of the clip that `entry` shows, where it has another skeleton than `body`.
+    fn other(&self, name: &str, entry: &Entry, body: usize) -> Option<usize> {
+        let clip = clips::find(name, self.clips).ok()?;
+        let (own, body) = (entry.clip.as_ref()?, self.clips[body].entry.clip.as_ref()?);
+        (!own.clip.skeleton.matches(&body.clip.skeleton)).then_some(clip)
     }
 
     /// Position of the clip whose body the character has; `None`, reported, if there is none of that name.
@@ -66,59 +91,41 @@ impl<'a> Bodies<'a> {
         }
     }
 
-    /// Replaces the clip of `entry`, which is `clip`, by one that `body` performs, where their skeletons differ.
-    fn perform(
-        &mut self,
-        (clip, body): (usize, usize),
-        entry: &mut Entry,
-        name: &At<String>,
-        report: &mut Report,
-    ) {
-        let (Some(from), Some(onto)) = (&entry.clip, &self.clips[body].entry.clip) else {
-            return;
-        };
-        if from.clip.skeleton.matches(&onto.clip.skeleton) {
-            return;
-        }
-        if let Some(known) = self.performed.get(&(clip, body)) {
-            entry.clip.clone_from(known);
-            return;
-        }
-        let performer = &self.clips[body].entry.name;
-        let performed = match retarget(&from.clip, &onto.clip) {
+    /// The clip of `entry` performed by the body of `body`; `None`, reported, if it cannot be.
+    fn make(&self, entry: &Entry, body: &Entry, name: &At<String>, report: &mut Report) -> Option<Made> {
+        let (from, onto) = (entry.clip.as_ref()?, body.clip.as_ref()?);
+        let (clip, body) = (entry.name.clone(), body.name.clone());
+        match retarget(&from.clip, &onto.clip) {
             Ok((made, joints)) => {
-                if let Some(message) = lost(&entry.name, performer, &joints) {
-                    let help = "name joints by `roles` in the clips' tables, or leave it if it is right";
-                    report.warn(&name.place, message, help);
+                let performed = Performed { clip, body, joints };
+                if let Some(message) = lost(&performed) {
+                    report.warn(&name.place, message, ROLES_HELP);
                 }
-                Some(Arc::new(WorkingClip::new(&from.name, Arc::new(made), from.first, from.last)))
+                let working = WorkingClip::new(&from.name, Arc::new(made), from.first, from.last);
+                Some((Arc::new(working), performed))
             }
             Err(error) => {
-                let message =
-                    format!("\"{}\" cannot be performed by the body of \"{performer}\": {error}", entry.name);
-                let help = "name joints by `roles` in the clips' tables, or use clips of like bodies";
-                report.fault(&name.place, message, help);
+                let message = format!("\"{clip}\" cannot be performed by the body of \"{body}\": {error}");
+                report.fault(&name.place, message, ROLES_HELP);
                 None
             }
-        };
-        entry.clip.clone_from(&performed);
-        self.performed.insert((clip, body), performed);
+        }
     }
 }
 
-/// What is lost where `clip` is performed by the body of `performer`; `None` if nothing is.
-fn lost(clip: &str, performer: &str, joints: &RetargetReport) -> Option<String> {
+/// What is lost; `None` if nothing is.
+fn lost(Performed { clip, body, joints }: &Performed) -> Option<String> {
     let list = |names: &[String]| suggest::list(&names.iter().map(String::as_str).collect::<Vec<_>>());
     let mut parts = Vec::new();
     if !joints.unused.is_empty() {
-        parts.push(format!("of the clip's joints it has none for {}", list(&joints.unused)));
+        parts.push(format!("it has no joints for {}", list(&joints.unused)));
     }
     if !joints.at_rest.is_empty() {
-        parts.push(format!("its own {} stay at rest", list(&joints.at_rest)));
+        parts.push(format!("its {} stay at rest", list(&joints.at_rest)));
     }
     if joints.shortfall >= NOTABLE_SHORTFALL {
         parts.push(format!("its legs fall {:.3} m short", joints.shortfall));
     }
     let what = parts.join("; ");
-    (!parts.is_empty()).then(|| format!("\"{clip}\" is performed by the body of \"{performer}\": {what}"))
+    (!parts.is_empty()).then(|| format!("\"{clip}\" is performed by the body of \"{body}\": {what}"))
 }

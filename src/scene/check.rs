@@ -116,6 +116,7 @@ fn member(character: &raw::Character, clips: &[Declared], used: &mut [bool], rep
         name: character.name.value().cloned().unwrap_or_default(),
         track: Vec::new(),
         track_is_known: true,
+        performed: Vec::new(),
     };
     let Some(track) = character.track.given() else {
         member.track_is_known = false;
@@ -180,8 +181,8 @@ fn characters(raw: &raw::Scene, cast: &[Member], checked: &Checked, report: &mut
     cast.iter()
         .zip(tracks)
         .filter_map(|(member, track)| {
-            let name = member.name.clone();
-            track.map(|track| Character { name, track })
+            let (name, performed) = (member.name.clone(), member.performed.clone());
+            track.map(|track| Character { name, track, performed })
         })
         .collect()
 }

@@ -17,6 +17,9 @@ const UPRIGHT: f64 = 0.3;
 
 /// An ankle rises or sinks by less than this for the length of the foot: rather the toe hangs a little, metres.
 const HIGHEST_RISE: f64 = 0.05;
+/// Thighs and shanks that are shorter, metres and as a share of the other, bend nothing.
+const LEAST_BONE: f64 = 1e-3;
+const SHORTEST_SHARE: f64 = 1e-3;
 /// Share of its length up to which a leg is stretched.
 const STRETCHED: f64 = 0.9995;
 /// A body comes down no farther for its legs to reach, metres.
@@ -45,14 +48,19 @@ struct Foot {
     longer: DVec3,
 }
 
-/// Legs that both bodies have whole.
+/// Legs that both bodies have whole, with two bones to bend.
 pub(super) fn legs(source: &Skeleton, onto: &Skeleton, stances: &[Stance; 2], scale: f64) -> Vec<Leg> {
     let joints = |skeleton: &Skeleton, roles: [_; 3]| {
         let [hip, knee, ankle] = roles.map(|role| skeleton.joint_of(role));
         Some([hip?, knee?, ankle?])
     };
+    let rest = onto.forward_kinematics(&onto.rest_pose());
     let leg = |side: usize| {
         let joints_onto = joints(onto, LEGS[side])?;
+        let [thigh, shank] = limb(&rest, joints_onto).lengths();
+        if thigh.min(shank) < LEAST_BONE.max(SHORTEST_SHARE * thigh.max(shank)) {
+            return None;
+        }
         let foot = match stances.each_ref().map(|stance| stance.soles[side]) {
             [Some(from), Some(to)] => Some(Foot { axes: to.axes, longer: from.toe * scale - to.toe }),
             _ => None,

@@ -13,6 +13,7 @@ use std::collections::BTreeSet;
 use std::sync::Arc;
 
 use glam::{DQuat, DVec3};
+use serde::Serialize;
 
 use crate::clip::Clip;
 use crate::clip::retarget::align::{Drive, drives};
@@ -23,7 +24,7 @@ use crate::index::{JointId, SourceFrame, floor_index};
 use crate::skeleton::{JointFrame, JointRole, Pose, Skeleton};
 
 /// What became of the joints.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct RetargetReport {
     /// Length of the new legs over that of the clip's; places scale by it.
     pub scale: f64,

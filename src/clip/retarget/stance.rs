@@ -15,6 +15,8 @@ const NEAR_AXIS: f64 = 0.906;
 const LEAST_AGREEMENT: f64 = 0.95;
 /// Of the frames in which both ends of a foot bear, one in so many, the lowest, is flat: in the others it rolls.
 const FLAT_PART: usize = 4;
+/// Smaller bodies have no size, metres.
+const LEAST_SIZE: f64 = 1e-3;
 /// Share of the frames in which an ankle is lower than its floor, where no foot is ever flat.
 const FLOOR_SHARE: f64 = 0.01;
 
@@ -117,12 +119,12 @@ fn size(skeleton: &Skeleton, frames: &[JointFrame]) -> f64 {
         let knee = at(knee)?;
         Some(at(hip)?.distance(knee) + knee.distance(at(foot)?))
     };
-    let lengths: Vec<f64> = LEGS.into_iter().filter_map(leg).filter(|length| *length > 0.0).collect();
+    let lengths: Vec<f64> = LEGS.into_iter().filter_map(leg).filter(|length| *length > LEAST_SIZE).collect();
     if !lengths.is_empty() {
         return lengths.iter().sum::<f64>() / lengths.len() as f64;
     }
     let extent = frames.iter().map(|frame| frame.position.distance(frames[0].position)).fold(0.0, f64::max);
-    if extent > 0.0 { extent } else { 1.0 }
+    if extent > LEAST_SIZE { extent } else { 1.0 }
 }
 
 /// Hip, knee and ankle, left and right.
