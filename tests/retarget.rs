@@ -196,7 +196,6 @@ fn perform(from: &str, onto: &str) -> Result<(), Failed> {
     let bones = bone_change(&there);
     let [own_knees, knees] = [&own, &there].map(knee_acceleration);
     let knees = knees / own_knees;
-    println!("knees {:.3} of {:.1}", knees[1] / knees[0], knees[0]);
     let measures = format!(
         "slide {slide_ratio:.3}, soles {sinks:.4} m, ground {ground:.4} m, limbs back {limbs:.2}°, trunk back \
          {trunk:.2}°, arms {arms:.1e}, bones {bones:.1e} m, knees {knees:.3}, short of {:.4} m",
