@@ -16,7 +16,9 @@ use cotillion::clip::read::ReadOptions;
 use cotillion::clip::retarget::{RetargetReport, retarget};
 use cotillion::clip::working::{WORKING_STEP, WorkingClip};
 use cotillion::edit::Editor;
+use cotillion::embody::embody;
 use cotillion::index::SourceFrame;
+use cotillion::resample::resample;
 use cotillion::scene::{ClipFolders, load_text};
 use cotillion::skeleton::{Joint, JointFrame, JointRole, Pose};
 use glam::DVec3;
@@ -153,7 +155,7 @@ fn statures() -> Result<(), Failed> {
     Ok(())
 }
 
-/// A walk of somebody tall, then `second`, on one track: it loads, and is solved.
+/// A walk of somebody tall, then `second`, on one track: it loads, is solved and embodied.
 fn track(second: &str, range: &str) -> Result<(), Failed> {
     let source = match second.strip_prefix("builtin:") {
         Some(name) => format!("{{ builtin = \"{name}\", frames = {range} }}"),
@@ -172,10 +174,15 @@ fn track(second: &str, range: &str) -> Result<(), Failed> {
         if !track.clips.iter().all(|clip| skeleton.matches(&clip.clip.skeleton)) {
             return Err("the track has two bodies".into());
         }
+        let scene = loaded.scene.clone();
         let mut editor = Editor::new(loaded.scene)?;
         let edit = editor.solve()?;
-        if !edit.characters[0].positions.iter().all(|place| place.re.is_finite() && place.im.is_finite()) {
-            return Err("the edit is not finite".into());
+        let mut resampled = resample(&scene, edit)?;
+        embody(&scene, edit, &mut resampled);
+        let made = &resampled.clips[0];
+        let joints = frames(made).into_iter().flatten();
+        if !joints.into_iter().all(|joint| joint.position.is_finite()) || bone_change(made) > BONES {
+            return Err("the motion is torn".into());
         }
     }
     Ok(())

@@ -213,6 +213,11 @@ fn track(
     let places = character.track.given()?;
     let clips: Option<Vec<_>> = member.track.iter().map(|entry| entry.clip.clone()).collect();
     let clips = clips.filter(|clips| !clips.is_empty())?;
+    // Bodies still differ only where the body's clip is at fault, which is already reported.
+    let skeleton = &clips[0].clip.skeleton;
+    if !clips.iter().all(|clip| skeleton.matches(&clip.clip.skeleton)) {
+        return None;
+    }
     let (track, seams) = Track::string(clips, protected, (position, facing));
     for seam in seams.iter().filter(|seam| seam.distance > seam.admissible) {
         let place = places.value.get(seam.entry).map_or(&places.place, |at| &at.place);
