@@ -32,6 +32,7 @@
 pub mod index;
 pub mod geometry;
 pub mod skeleton;
+pub mod limb;
 pub mod clip;
 pub mod similarity;
 pub mod constraint;

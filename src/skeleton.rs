@@ -196,7 +196,7 @@ impl Skeleton {
         frames
     }
 
-    /// Same joints, parents, offsets (1e-6 m) and roles: tracks may mix clips of such skeletons.
+    /// Same names, parents and offsets (1e-6 m): clips of such skeletons go on one track as they are.
     pub fn matches(&self, other: &Self) -> bool {
         self.joints.len() == other.joints.len()
             && self

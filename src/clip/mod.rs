@@ -14,6 +14,7 @@ pub mod measure;
 pub mod note;
 pub mod read;
 mod repair;
+pub mod retarget;
 pub mod roles;
 pub mod sample;
 pub mod stationary;

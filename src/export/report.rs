@@ -14,7 +14,7 @@ use crate::object_motion::{ObjectMotion, Owner, object_motions};
 use crate::reach::{REACHED, Stage, carry_residuals, effector_residuals};
 use crate::resample::{Resampled, rest_clip, shown_contacts, time_of};
 use crate::residual::{MomentTime, Residual, largest, moment_times, residuals};
-use crate::scene::{Character, Scene};
+use crate::scene::{Character, Performed, Scene};
 
 use crate::clip::working::WORKING_STEP;
 
@@ -67,6 +67,8 @@ pub struct CharacterReport {
     pub time_step: MinMax,
     /// Mean horizontal speed of feet in contact, m/s.
     pub foot_slide: RestEdited,
+    /// Clips of other bodies, each once: scale, joints that nothing corresponds to, how far legs fall short.
+    pub performed: Vec<Performed>,
     /// Discrete edits, in order.
     pub discrete: Vec<DiscreteReport>,
 }
@@ -245,6 +247,7 @@ fn character_report(
         path_length: RestEdited { rest: length(&edited.rest.positions), edited: length(&edited.positions) },
         time_step: if still { MinMax { min: 1.0, max: 1.0 } } else { MinMax { min, max } },
         foot_slide: RestEdited { rest: rest_slide, edited: edited_slide.unwrap_or(0.0) },
+        performed: character.performed.clone(),
         discrete: Vec::new(),
     }
 }

@@ -3,8 +3,8 @@
 use glam::DVec3;
 
 use crate::full_body::chain::{Chain, EndPose, Place};
-use crate::full_body::limb::minimal_rotation;
 use crate::geometry::smoothstep;
+use crate::limb::minimal_rotation;
 use crate::skeleton::{Pose, Skeleton};
 
 /// Direction in which the middle joint of a limb lies from the line between its ends, in the axes of the upper joint: the

@@ -3,8 +3,8 @@
 use glam::{DQuat, DVec3};
 
 use crate::clip::contacts::{BodyPoint, FootPoint, foot_point};
-use crate::full_body::limb::{Limb, minimal_rotation};
 use crate::index::JointId;
+use crate::limb::{Limb, minimal_rotation};
 use crate::skeleton::{JointFrame, JointRole, Pose, Skeleton};
 
 /// A limb of a skeleton: hip, knee and ankle, or shoulder, elbow and wrist. Other joints between them keep their rotations.

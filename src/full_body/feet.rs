@@ -9,12 +9,12 @@ use crate::full_body::aim::{bend_hint, solve};
 use crate::full_body::chain::{Chain, EndPose, Place, legs};
 use crate::full_body::fade::{Slopes, Span, fill};
 use crate::full_body::knees::soften;
-use crate::full_body::limb::softened;
 use crate::full_body::pins::{pins, spans};
 use crate::full_body::plants::{Displacement, LegTrack, bearing, plants};
 use crate::full_body::reach::Demand;
 use crate::full_body::{BodyInput, PlantMode};
 use crate::geometry::{exp, log, smoothstep};
+use crate::limb::softened;
 use crate::skeleton::{Pose, Skeleton};
 
 /// A displacement below this is none, metres and radians: rounding, which a straight knee would magnify.

@@ -9,7 +9,6 @@
 //! Hierarchical Approach to Interactive Motion Editing for Human-like Figures*, SIGGRAPH 1999.
 
 pub mod displacement;
-pub mod limb;
 pub mod smooth;
 pub mod chain;
 pub mod aim;

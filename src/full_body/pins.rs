@@ -9,9 +9,9 @@ use glam::{DMat3, DVec3};
 use crate::clip::contacts::runs;
 use crate::full_body::chain::Place;
 use crate::full_body::fade::{Slopes, Span, fill};
-use crate::full_body::limb::minimal_rotation;
 use crate::full_body::plants::{Displacement, LegTrack};
 use crate::geometry::{exp, log};
+use crate::limb::minimal_rotation;
 
 /// A point that stands stays within this distance of its place, metres.
 const STILL: f64 = 0.01;

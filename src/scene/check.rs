@@ -5,6 +5,7 @@ use std::path::Path;
 use std::sync::Arc;
 
 use crate::constraint::Instant;
+use crate::scene::bodies::Bodies;
 use crate::scene::checker::{Checked, check_intervals, plan_point};
 use crate::scene::clips::{self, ClipFolders, Declared, Folders, check_name, within};
 use crate::scene::constraints;
@@ -96,8 +97,13 @@ fn cast(raw: &raw::Scene, clips: &[Declared], report: &mut Report) -> Vec<Member
         report.fault(&Place::default(), "the scene has no character", help);
     }
     let mut used = vec![false; clips.len()];
-    let cast =
-        characters.iter().map(|character| member(&character.value, clips, &mut used, report)).collect();
+    let mut bodies = Bodies::new(clips);
+    let members = characters.iter().map(|character| {
+        let mut member = member(&character.value, clips, &mut used, report);
+        bodies.embody(&character.value, &mut member, &mut used, report);
+        member
+    });
+    let cast = members.collect();
     clips::warn_of_unused(clips, &used, report);
     cast
 }
@@ -110,6 +116,7 @@ fn member(character: &raw::Character, clips: &[Declared], used: &mut [bool], rep
         name: character.name.value().cloned().unwrap_or_default(),
         track: Vec::new(),
         track_is_known: true,
+        performed: Vec::new(),
     };
     let Some(track) = character.track.given() else {
         member.track_is_known = false;
@@ -174,8 +181,8 @@ fn characters(raw: &raw::Scene, cast: &[Member], checked: &Checked, report: &mut
     cast.iter()
         .zip(tracks)
         .filter_map(|(member, track)| {
-            let name = member.name.clone();
-            track.map(|track| Character { name, track })
+            let (name, performed) = (member.name.clone(), member.performed.clone());
+            track.map(|track| Character { name, track, performed })
         })
         .collect()
 }
@@ -206,13 +213,9 @@ fn track(
     let places = character.track.given()?;
     let clips: Option<Vec<_>> = member.track.iter().map(|entry| entry.clip.clone()).collect();
     let clips = clips.filter(|clips| !clips.is_empty())?;
+    // Bodies still differ only where the body's clip is at fault, which is already reported.
     let skeleton = &clips[0].clip.skeleton;
-    if let Some(other) = clips.iter().position(|clip| !skeleton.matches(&clip.clip.skeleton)) {
-        let (first, second) = (&clips[0].name, &clips[other].name);
-        let message = format!(
-            "\"{first}\" and \"{second}\" have different skeletons; a track that mixes skeletons is not available yet"
-        );
-        report.fault(&places.value[other].place, message, "use clips of one skeleton on a track");
+    if !clips.iter().all(|clip| skeleton.matches(&clip.clip.skeleton)) {
         return None;
     }
     let (track, seams) = Track::string(clips, protected, (position, facing));

@@ -1,5 +1,6 @@
 //! A choreography: who performs what, and what must hold. A sound [`Scene`] never panics later.
 
+pub mod bodies;
 pub mod check;
 pub mod checker;
 pub mod clips;
@@ -21,6 +22,9 @@ pub mod tree;
 pub mod unavailable;
 pub mod values;
 
+use serde::Serialize;
+
+use crate::clip::retarget::RetargetReport;
 use crate::constraint::{Constraint, Moment};
 use crate::effector::EndEffector;
 use crate::index::ObjectId;
@@ -72,8 +76,22 @@ pub enum Mode {
 pub struct Character {
     /// Unique among characters and objects.
     pub name: String,
-    /// Motion before the edit, placed.
+    /// Motion before the edit, placed; all its clips have one skeleton.
     pub track: Track,
+    /// Clips on the track that were captured on other bodies, each once.
+    pub performed: Vec<Performed>,
+}
+
+/// A clip performed by another body than its own.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Performed {
+    /// Name of the clip.
+    pub clip: String,
+    /// Name of the clip whose body performs it.
+    pub body: String,
+    /// What became of the joints.
+    #[serde(flatten)]
+    pub joints: RetargetReport,
 }
 
 /// Bounds on time steps, as multiples of the rest step.

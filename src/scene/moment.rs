@@ -6,7 +6,7 @@ use std::sync::Arc;
 use crate::clip::working::WorkingClip;
 use crate::constraint::{Instant, Moment};
 use crate::index::{CharacterId, SourceFrame};
-use crate::scene::suggest;
+use crate::scene::{Performed, suggest};
 
 /// A moment reference taken apart.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -91,6 +91,8 @@ pub struct Member {
     pub track: Vec<Entry>,
     /// Whether every clip of the track is known by name; where not, that is already reported.
     pub track_is_known: bool,
+    /// Clips of other bodies on the track, each once.
+    pub performed: Vec<Performed>,
 }
 
 /// Why a moment names no frame.

@@ -167,6 +167,9 @@ table! {
             position: Pair<f64>,
             /// Where the body looks there, degrees counter-clockwise from +x seen from above; left out: as in the clip.
             facing: f64,
+            /// A clip of `[clips]` whose body this is; left out: the body of the track's first clip. Clips of other bodies are
+            /// performed by this one.
+            skeleton: String,
         }
     }
 }
