@@ -96,7 +96,7 @@ mod tests {
     use std::f64::consts::FRAC_PI_2;
 
     use super::*;
-    use crate::full_body::limb::Limb;
+    use crate::limb::Limb;
 
     /// Rounding of a few operations on metres.
     const ROUNDING: f64 = 1e-12;
