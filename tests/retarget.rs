@@ -208,9 +208,6 @@ fn perform(from: &str, onto: &str) -> Result<(), Failed> {
          {trunk:.2}°, arms {arms:.1e}, bones {bones:.1e} m, knees {knees:.3}, short of {:.4} m",
         report.shortfall
     );
-    if std::env::var_os("COTILLION_TABLE").is_some() {
-        println!("{from} on {onto}: {measures}");
-    }
     let is_good = slide_ratio <= SLIDE
         && sinks.abs() <= SOLES
         && ground.abs() <= GROUND
