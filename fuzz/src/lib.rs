@@ -16,6 +16,8 @@ pub mod index;
 pub mod geometry;
 #[path = "../../src/skeleton.rs"]
 pub mod skeleton;
+#[path = "../../src/limb.rs"]
+pub mod limb;
 #[path = "../../src/clip/mod.rs"]
 pub mod clip;
 
