@@ -131,6 +131,18 @@ impl ReadNote {
         matches!(self, Self::RestPoseLeftOut { .. } | Self::FirstFrameJumps | Self::JumpLeftOut { .. })
     }
 
+    /// Whether it tells of single frames, all of them outside `first..=last`.
+    pub fn is_outside(&self, first: SourceFrame, last: SourceFrame) -> bool {
+        let (Self::ValuesFilledIn { frames }
+        | Self::Glitches { frames }
+        | Self::GlitchesRepaired { frames }
+        | Self::Jumps { frames }) = self
+        else {
+            return false;
+        };
+        frames.iter().all(|frame| !(first..=last).contains(frame))
+    }
+
     /// Whether this tells of a repair that was asked for, not of a doubt.
     pub const fn is_repair(&self) -> bool {
         matches!(self, Self::ValuesFilledIn { .. } | Self::GlitchesRepaired { .. })

@@ -11,6 +11,7 @@ use crate::scene::moment::{Entry, Member};
 use crate::scene::raw;
 use crate::scene::report::{At, Report};
 use crate::scene::suggest;
+use crate::skeleton::Skeleton;
 
 /// What to do about joints that correspond to none.
 const ROLES_HELP: &str =
@@ -34,8 +35,8 @@ impl<'a> Bodies<'a> {
         Self { clips, made: BTreeMap::new() }
     }
 
-    /// Gives the clips on somebody's track one body: of the clip that `skeleton` names, else of the first. Joints that
-    /// nothing corresponds to are warned of. Cost: linear in frames of the clips that change bodies.
+    /// Gives the clips on somebody's track one body: of the clip that `skeleton` names, else of the first. Parts of
+    /// the body that nothing corresponds to are warned of. Cost: linear in frames of the clips that change bodies.
     pub fn embody(
         &mut self,
         character: &raw::Character,
@@ -98,7 +99,7 @@ impl<'a> Bodies<'a> {
         match retarget(&from.clip, &onto.clip) {
             Ok((made, joints)) => {
                 let performed = Performed { clip, body, joints };
-                if let Some(message) = lost(&performed) {
+                if let Some(message) = lost(&performed, &onto.clip.skeleton) {
                     report.warn(&name.place, message, ROLES_HELP);
                 }
                 let working = WorkingClip::new(&from.name, Arc::new(made), from.first, from.last);
@@ -113,15 +114,20 @@ impl<'a> Bodies<'a> {
     }
 }
 
-/// What is lost; `None` if nothing is.
-fn lost(Performed { clip, body, joints }: &Performed) -> Option<String> {
-    let list = |names: &[String]| suggest::list(&names.iter().map(String::as_str).collect::<Vec<_>>());
+/// What is lost; `None` if nothing is. Fingers and helpers of the body that the clip does not move are no loss.
+fn lost(Performed { clip, body, joints }: &Performed, skeleton: &Skeleton) -> Option<String> {
+    let unused: Vec<&str> = joints.unused.iter().map(String::as_str).collect();
+    let has_role = |name: &&str| {
+        let joint = skeleton.joint_named(name);
+        joint.is_some_and(|joint| skeleton.joints[joint.as_usize()].role.is_some())
+    };
+    let at_rest: Vec<&str> = joints.at_rest.iter().map(String::as_str).filter(has_role).collect();
     let mut parts = Vec::new();
-    if !joints.unused.is_empty() {
-        parts.push(format!("it has no joints for {}", list(&joints.unused)));
+    if !unused.is_empty() {
+        parts.push(format!("it has no joints for {}", suggest::list(&unused)));
     }
-    if !joints.at_rest.is_empty() {
-        parts.push(format!("its {} stay at rest", list(&joints.at_rest)));
+    if !at_rest.is_empty() {
+        parts.push(format!("its {} stay at rest", suggest::list(&at_rest)));
     }
     if joints.shortfall >= NOTABLE_SHORTFALL {
         parts.push(format!("its legs fall {:.3} m short", joints.shortfall));

@@ -242,9 +242,13 @@ fn entry(name: &str, declared: &At<raw::Clip>, read: Option<&Read>, report: &mut
     let Some(Read { clip, notes }) = read else {
         return Entry { name: name.to_owned(), clip: None, events: Arc::default() };
     };
+    let range = range(clip, frames, &declared.place, report);
     let settled = matches!(frames, Field::Given(_));
-    let notes: Vec<&ReadNote> =
-        notes.iter().filter(|note| !settled || !note.is_settled_by_frames()).collect();
+    let is_open = |note: &&ReadNote| {
+        let is_outside = range.is_some_and(|(first, last)| note.is_outside(first, last));
+        !is_outside && !(settled && note.is_settled_by_frames())
+    };
+    let notes: Vec<&ReadNote> = notes.iter().filter(is_open).collect();
     let strict = match &declared.value {
         raw::Clip::File(file) => file.strict.given().filter(|strict| strict.value),
         _ => None,
@@ -257,7 +261,6 @@ fn entry(name: &str, declared: &At<raw::Clip>, read: Option<&Read>, report: &mut
             report.warn(&declared.place, format!("clip \"{name}\": {note}"), NOTE_HELP);
         }
     }
-    let range = range(clip, frames, &declared.place, report);
     let mut named = clip.events.clone();
     if let Some(events) = events.value() {
         named.extend(events.0.iter().map(|(event, frame)| (event.clone(), SourceFrame(frame.value))));
