@@ -271,3 +271,17 @@ fn frame_list(frames: &[SourceFrame]) -> String {
     let rest = if more == 0 { String::new() } else { format!(" and {more} more") };
     format!("{word} {}{rest}", named.join(", "))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn faults_of_single_frames_are_outside_a_range_only_if_all_of_them_are() {
+        let [two, nine] = [2, 9].map(SourceFrame);
+        let note = ReadNote::Glitches { frames: vec![two, nine] };
+        assert!(note.is_outside(SourceFrame(3), SourceFrame(8)));
+        assert!(!note.is_outside(SourceFrame(3), nine) && !note.is_outside(two, SourceFrame(8)));
+        assert!(!ReadNote::UnitUnknown.is_outside(SourceFrame(3), SourceFrame(8)));
+    }
+}

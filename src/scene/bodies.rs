@@ -135,3 +135,29 @@ fn lost(Performed { clip, body, joints }: &Performed, skeleton: &Skeleton) -> Op
     let what = parts.join("; ");
     (!parts.is_empty()).then(|| format!("\"{clip}\" is performed by the body of \"{body}\": {what}"))
 }
+
+#[cfg(test)]
+mod tests {
+    use std::collections::BTreeMap;
+
+    use super::*;
+    use crate::clip::builtin::generate;
+    use crate::clip::retarget::RetargetReport;
+    use crate::skeleton::{Joint, JointRole};
+
+    #[test]
+    fn fingers_that_a_clip_does_not_move_are_no_loss_but_hands_are() {
+        let mut skeleton = (*generate("idle", &BTreeMap::new()).expect("it is generated").skeleton).clone();
+        let hand = skeleton.joint_of(JointRole::LeftHand).expect("bodies have hands");
+        let hand = skeleton.joints[hand.as_usize()].clone();
+        skeleton.joints.push(Joint { name: "thumb".to_owned(), role: None, ..hand.clone() });
+        let told = |at_rest: &[&str]| {
+            let at_rest = at_rest.iter().map(ToString::to_string).collect();
+            let joints = RetargetReport { at_rest, ..RetargetReport::default() };
+            lost(&Performed { clip: "idle".to_owned(), body: "b".to_owned(), joints }, &skeleton)
+        };
+        assert_eq!(told(&["thumb"]), None);
+        let message = told(&["thumb", &hand.name]).expect("a hand is lost");
+        assert!(message.contains(&hand.name) && !message.contains("thumb"), "{message}");
+    }
+}
