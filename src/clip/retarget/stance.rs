@@ -15,6 +15,8 @@ const NEAR_AXIS: f64 = 0.906;
 const LEAST_AGREEMENT: f64 = 0.95;
 /// Of the frames in which both ends of a foot bear, one in so many, the lowest, is flat: in the others it rolls.
 const FLAT_PART: usize = 4;
+/// A foot whose only segment is steeper goes down to the sole, not ahead: the sine of 30°. Where it points the body tells.
+const LEAST_AHEAD: f64 = 0.5;
 /// Smaller bodies have no size, metres.
 const LEAST_SIZE: f64 = 1e-3;
 /// Share of the frames in which an ankle is lower than its floor, where no foot is ever flat.
@@ -94,7 +96,9 @@ fn sole(skeleton: &Skeleton, side: usize, flat: &[JointFrame], body: DQuat) -> O
     let mean = flat.iter().map(|frame| frame.rotation.inverse() * DVec3::Y).sum::<DVec3>();
     let agreed = mean.length() >= LEAST_AGREEMENT * flat.len() as f64;
     let up = mean.try_normalize().filter(|_| agreed).unwrap_or(body * DVec3::Y);
-    let ahead = to_toe.reject_from_normalized(up).try_normalize()?;
+    let along = to_toe.reject_from_normalized(up);
+    let is_told = along.length() > LEAST_AHEAD * to_toe.length();
+    let ahead = if is_told { along } else { (body * DVec3::Z).reject_from_normalized(up) }.try_normalize()?;
     let axes = DQuat::from_mat3(&DMat3::from_cols(up.cross(ahead), up, ahead)).normalize();
     Some(Sole { axes, toe: axes.inverse() * to_toe })
 }
@@ -159,4 +163,29 @@ fn onto_axis(direction: DVec3) -> DVec3 {
     let unit = direction.normalize_or(DVec3::Y);
     let axes = [DVec3::X, DVec3::Y, DVec3::Z].into_iter().flat_map(|axis| [axis, -axis]);
     axes.into_iter().find(|axis| axis.dot(unit) > NEAR_AXIS).unwrap_or(unit)
+}
+
+#[cfg(test)]
+mod tests {
+    use std::collections::BTreeMap;
+    use std::sync::Arc;
+
+    use super::*;
+    use crate::clip::builtin::generate;
+
+    #[test]
+    fn a_foot_that_goes_straight_down_to_the_sole_points_where_the_body_looks() {
+        let walk = generate("walk", &BTreeMap::new()).expect("it is generated");
+        let mut skeleton = (*walk.skeleton).clone();
+        for role in [JointRole::LeftToe, JointRole::RightToe] {
+            let toe = skeleton.joint_of(role).expect("generated bodies have toes");
+            // A little aside, as captures have it.
+            skeleton.joints[toe.as_usize()].offset = DVec3::new(0.008, -0.08, -0.002);
+        }
+        let stance = Stance::of(&Clip { skeleton: Arc::new(skeleton), ..walk });
+        for sole in stance.soles {
+            let ahead = sole.expect("a foot has a sole").axes * DVec3::Z;
+            assert!(ahead.dot(stance.body * DVec3::Z) > 0.9, "{ahead}");
+        }
+    }
 }
