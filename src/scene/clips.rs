@@ -246,7 +246,7 @@ fn entry(name: &str, declared: &At<raw::Clip>, read: Option<&Read>, report: &mut
     let settled = matches!(frames, Field::Given(_));
     let is_open = |note: &&ReadNote| {
         let is_outside = range.is_some_and(|(first, last)| note.is_outside(first, last));
-        !is_outside && !(settled && note.is_settled_by_frames())
+        !(is_outside || settled && note.is_settled_by_frames())
     };
     let notes: Vec<&ReadNote> = notes.iter().filter(is_open).collect();
     let strict = match &declared.value {
