@@ -9,7 +9,7 @@ use std::sync::Arc;
 use rayon::prelude::*;
 
 use crate::clip::Clip;
-use crate::clip::contacts::FootContacts;
+use crate::clip::contacts::Contacts;
 use crate::edit::{Edit, Moved};
 use crate::full_body::{BodyInput, BodyReport, Effector, PlantMode, Target, refine};
 use crate::geometry::slerp;
@@ -33,7 +33,7 @@ pub struct Body {
     /// After it.
     pub poses: Vec<Pose>,
     /// Which points of the feet are planted.
-    pub planted: Vec<FootContacts>,
+    pub planted: Vec<Contacts>,
     /// What was done, and what could not be.
     pub report: BodyReport,
 }

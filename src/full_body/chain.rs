@@ -2,7 +2,7 @@
 
 use glam::{DQuat, DVec3};
 
-use crate::clip::contacts::{BodyPoint, FootPoint, foot_point};
+use crate::clip::contacts::{BodyPoint, ContactPoint, contact_point};
 use crate::index::JointId;
 use crate::limb::{Limb, minimal_rotation};
 use crate::skeleton::{JointFrame, JointRole, Pose, Skeleton};
@@ -63,8 +63,8 @@ pub fn legs(skeleton: &Skeleton) -> [Option<Chain>; 2] {
     let left = [JointRole::LeftHip, JointRole::LeftKnee, JointRole::LeftFoot];
     let right = [JointRole::RightHip, JointRole::RightKnee, JointRole::RightFoot];
     [
-        chain(skeleton, left, foot_point(skeleton, FootPoint::LeftToe)),
-        chain(skeleton, right, foot_point(skeleton, FootPoint::RightToe)),
+        chain(skeleton, left, contact_point(skeleton, ContactPoint::LeftToe)),
+        chain(skeleton, right, contact_point(skeleton, ContactPoint::RightToe)),
     ]
 }
 

@@ -4,7 +4,7 @@
 
 use glam::DVec3;
 
-use crate::clip::contacts::FootContacts;
+use crate::clip::contacts::Contacts;
 use crate::full_body::aim::{bend_hint, solve};
 use crate::full_body::chain::{Chain, EndPose, Place, legs};
 use crate::full_body::fade::{Slopes, Span, fill};
@@ -234,7 +234,7 @@ fn lower(a: Floor, b: Floor) -> Floor {
 }
 
 /// Which points of the feet are planted, by the legs' plans.
-pub fn planted(skeleton: &Skeleton, legs: &[Leg], contacts: &[FootContacts]) -> Vec<FootContacts> {
+pub fn planted(skeleton: &Skeleton, legs: &[Leg], contacts: &[Contacts]) -> Vec<Contacts> {
     let mut planted = contacts.to_vec();
     let sides = self::legs(skeleton).into_iter().enumerate().filter(|(_, chain)| chain.is_some());
     for ((side, _), leg) in sides.zip(legs) {

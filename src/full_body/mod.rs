@@ -26,14 +26,14 @@ mod tests;
 
 use glam::DVec3;
 
-use crate::clip::contacts::FootContacts;
+use crate::clip::contacts::Contacts;
 use crate::full_body::chain::{Chain, arms};
 use crate::full_body::displacement::Sample;
 pub use crate::full_body::effector::{Effector, Target};
 use crate::full_body::feet::{FADE, Leg};
 use crate::full_body::hierarchical::{CLOSE, KNOTS, blended, bring, level, sample};
 use crate::full_body::reach::{Demand, drops, within_reach};
-pub use crate::full_body::report::{BodyReport, FootPlant, JointChange, Shortfall};
+pub use crate::full_body::report::{BodyReport, JointChange, PlantedPoint, Shortfall};
 use crate::skeleton::{Pose, Skeleton};
 
 /// One character at successive moments: output frames, and constrained moments between them.
@@ -46,7 +46,7 @@ pub struct BodyInput {
     /// With the root where the edit has it.
     pub moved: Vec<Pose>,
     /// Which points of the feet bear.
-    pub contacts: Vec<FootContacts>,
+    pub contacts: Vec<Contacts>,
     /// Ends of the body that must be somewhere.
     pub effectors: Vec<Effector>,
 }
@@ -67,7 +67,7 @@ pub struct Refined {
     /// One a moment.
     pub poses: Vec<Pose>,
     /// Which points of the feet are planted: the contacts, and of these only what stands in [`PlantMode::Pinned`].
-    pub planted: Vec<FootContacts>,
+    pub planted: Vec<Contacts>,
     /// What was done, and what could not be.
     pub report: BodyReport,
 }

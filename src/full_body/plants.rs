@@ -2,7 +2,7 @@
 
 use glam::{DQuat, DVec3};
 
-use crate::clip::contacts::{FootContacts, FootPoint, runs};
+use crate::clip::contacts::{ContactPoint, Contacts, runs};
 use crate::clip::facing::turn_about_up;
 use crate::full_body::chain::{EndPose, Place};
 use crate::full_body::fade::Span;
@@ -44,16 +44,16 @@ impl Plant {
 }
 
 /// Heel and toe of one side: 0 the left, 1 the right.
-pub const fn points(side: usize) -> [FootPoint; 2] {
+pub const fn points(side: usize) -> [ContactPoint; 2] {
     if side == 0 {
-        [FootPoint::LeftHeel, FootPoint::LeftToe]
+        [ContactPoint::LeftHeel, ContactPoint::LeftToe]
     } else {
-        [FootPoint::RightHeel, FootPoint::RightToe]
+        [ContactPoint::RightHeel, ContactPoint::RightToe]
     }
 }
 
 /// When the heel and the toe of one side bear.
-pub fn bearing(contacts: &[FootContacts], side: usize) -> [Vec<bool>; 2] {
+pub fn bearing(contacts: &[Contacts], side: usize) -> [Vec<bool>; 2] {
     points(side).map(|point| contacts.iter().map(|contact| contact.at(point)).collect())
 }
 

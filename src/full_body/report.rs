@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use crate::clip::contacts::{FootContacts, FootPoint, foot_point, runs};
+use crate::clip::contacts::{ContactPoint, Contacts, contact_point, runs};
 use crate::full_body::BodyInput;
 use crate::full_body::chain::world_frame;
 use crate::full_body::feet::Leg;
@@ -22,7 +22,7 @@ pub struct BodyReport {
     /// Largest change of a joint's angle; `None` where none changed.
     pub largest_change: Option<JointChange>,
     /// Every contact of a point of a foot.
-    pub plants: Vec<FootPlant>,
+    pub plants: Vec<PlantedPoint>,
 }
 
 /// A joint that does not get where it must be.
@@ -49,9 +49,9 @@ pub struct JointChange {
 
 /// A point of a foot while it is planted.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct FootPlant {
+pub struct PlantedPoint {
     /// Which point.
-    pub point: FootPoint,
+    pub point: ContactPoint,
     /// First sample.
     pub first: usize,
     /// Last sample.
@@ -69,7 +69,7 @@ pub const TOLERATED: f64 = 1e-3;
 pub(super) fn report(
     skeleton: &Skeleton,
     input: &BodyInput,
-    (legs, planted): (&[Leg], &[FootContacts]),
+    (legs, planted): (&[Leg], &[Contacts]),
     poses: &[Pose],
 ) -> BodyReport {
     let shifts = || poses.iter().zip(&input.moved).map(|(pose, moved)| pose.root - moved.root);
@@ -126,10 +126,10 @@ fn largest_change(before: &[Pose], after: &[Pose]) -> Option<JointChange> {
     largest
 }
 
-fn plants(skeleton: &Skeleton, rest: &[Pose], planted: &[FootContacts], poses: &[Pose]) -> Vec<FootPlant> {
+fn plants(skeleton: &Skeleton, rest: &[Pose], planted: &[Contacts], poses: &[Pose]) -> Vec<PlantedPoint> {
     let mut found = Vec::new();
-    for point in FootPoint::ALL {
-        let Some(at) = foot_point(skeleton, point) else {
+    for point in ContactPoint::FEET {
+        let Some(at) = contact_point(skeleton, point) else {
             continue;
         };
         let labels: Vec<bool> = planted.iter().map(|contact| contact.at(point)).collect();
@@ -140,7 +140,7 @@ fn plants(skeleton: &Skeleton, rest: &[Pose], planted: &[FootContacts], poses: &
         for (first, last) in runs(&labels) {
             let drift = |poses: &[Pose]| drift(poses[first..=last].iter().map(place).collect());
             let (captured_drift, drift) = (drift(rest), drift(poses));
-            found.push(FootPlant { point, first, last, captured_drift, drift });
+            found.push(PlantedPoint { point, first, last, captured_drift, drift });
         }
     }
     found

@@ -3,7 +3,7 @@
 use std::path::Path;
 use std::sync::Arc;
 
-use cotillion::clip::contacts::FootContacts;
+use cotillion::clip::contacts::Contacts;
 use cotillion::clip::file::read_file;
 use cotillion::clip::read::ReadOptions;
 use cotillion::clip::working::{WORKING_STEP, WorkingClip};
@@ -104,7 +104,7 @@ pub(crate) struct Stretch<'a> {
     pub(crate) walk: &'a Walk,
     pub(crate) times: Vec<f64>,
     pub(crate) rest: &'a [Pose],
-    pub(crate) contacts: &'a [FootContacts],
+    pub(crate) contacts: &'a [Contacts],
 }
 
 pub(crate) fn load(folder: &Path, file: &str) -> Result<Walk, Failed> {

@@ -13,7 +13,7 @@ use std::path::{Path, PathBuf};
 
 use bend::{Bend, bent};
 use clips::{CLIPS, OTHERS, Stretch, load, stretches};
-use cotillion::clip::contacts::{FootContacts, FootPoint};
+use cotillion::clip::contacts::{ContactPoint, Contacts};
 use cotillion::full_body::chain::arms;
 use cotillion::full_body::{BodyInput, Effector, PlantMode, Refined, Target, refine};
 use cotillion::skeleton::{Pose, Skeleton};
@@ -246,9 +246,9 @@ fn hardly_changes(folder: &Path, file: &str) -> Result<(), Failed> {
     let result = refined(&stretch, stretch.rest, PlantMode::Pinned);
     let change = largest_change(stretch.rest, &result.poses);
     let reported = result.report.largest_change.map_or(0.0, |change| change.angle);
-    let count = |contacts: &[FootContacts]| -> usize {
+    let count = |contacts: &[Contacts]| -> usize {
         let bears =
-            |contact: &FootContacts| FootPoint::ALL.iter().filter(|point| contact.at(**point)).count();
+            |contact: &Contacts| ContactPoint::FEET.iter().filter(|point| contact.at(**point)).count();
         contacts.iter().map(bears).sum()
     };
     let share = count(&result.planted) as f64 / count(stretch.contacts) as f64;

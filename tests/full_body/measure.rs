@@ -1,7 +1,7 @@
 //! What is measured of a body in motion.
 
 use cotillion::clip::Clip;
-use cotillion::clip::contacts::{FootContacts, FootPoint, foot_point};
+use cotillion::clip::contacts::{ContactPoint, Contacts, contact_point};
 use cotillion::full_body::chain::legs;
 use cotillion::full_body::smooth::largest_acceleration;
 use cotillion::geometry::log;
@@ -19,7 +19,7 @@ pub(crate) fn knee_acceleration(skeleton: &Skeleton, times: &[f64], poses: &[Pos
 }
 
 /// Mean horizontal speed of points of the feet in contact, m/s.
-pub(crate) fn slide(skeleton: &Skeleton, poses: &[Pose], contacts: &[FootContacts]) -> f64 {
+pub(crate) fn slide(skeleton: &Skeleton, poses: &[Pose], contacts: &[Contacts]) -> f64 {
     let clip = Clip::from_poses("", Arc::new(skeleton.clone()), 30.0, poses);
     foot_slide(&clip, contacts).unwrap_or(0.0)
 }
@@ -53,7 +53,7 @@ pub(crate) fn bone_change(skeleton: &Skeleton, before: &[Pose], after: &[Pose]) 
 pub(crate) fn below_ground(skeleton: &Skeleton, before: &[Pose], after: &[Pose]) -> f64 {
     let lowest = |poses: &[Pose]| {
         let points: Vec<_> =
-            FootPoint::ALL.into_iter().filter_map(|point| foot_point(skeleton, point)).collect();
+            ContactPoint::FEET.into_iter().filter_map(|point| contact_point(skeleton, point)).collect();
         let heights = poses.iter().flat_map(|pose| {
             let frames = skeleton.forward_kinematics(pose);
             points.iter().map(|point| point.place(&frames).y).collect::<Vec<_>>()

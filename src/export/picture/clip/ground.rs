@@ -7,7 +7,7 @@ use super::super::strip::hull::{Disk, hull};
 use super::super::svg::{GREY, INK, Point, Rect, Sheet, TextStyle, tinted};
 use super::super::view::{View, is_drawable, towards};
 use super::{Drawn, FLIGHT, STATIONARY, foot_fill, foot_ink};
-use crate::clip::contacts::{FootPoint, runs};
+use crate::clip::contacts::{ContactPoint, runs};
 use crate::geometry::{c64, cis, lerp_angle, plan_of};
 use crate::path;
 
@@ -67,7 +67,7 @@ struct Footprint {
 fn footprints(drawn: &Drawn) -> Vec<Footprint> {
     let mut prints = Vec::new();
     for (heel, toe) in
-        [(FootPoint::LeftHeel, FootPoint::LeftToe), (FootPoint::RightHeel, FootPoint::RightToe)]
+        [(ContactPoint::LeftHeel, ContactPoint::LeftToe), (ContactPoint::RightHeel, ContactPoint::RightToe)]
     {
         let Some(ankles) = drawn.places(heel) else { continue };
         let contacts = &drawn.working.contacts;
@@ -82,7 +82,7 @@ fn footprints(drawn: &Drawn) -> Vec<Footprint> {
             let along = drawn.places(toe).map_or(facing, |toes| plan_of(toes[index]) - ankle);
             let ahead = if along.norm() > 1e-6 { along / along.norm() } else { facing / FOOT[0] };
             prints.push(Footprint {
-                is_left: heel == FootPoint::LeftHeel,
+                is_left: heel == ContactPoint::LeftHeel,
                 disks: [
                     (ankle - ahead * FOOT[1], FOOT[1]),
                     (ankle + along, FOOT[2]),

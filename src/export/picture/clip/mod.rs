@@ -10,7 +10,7 @@ use self::panels::draw_panels;
 use super::sheet_document;
 use super::svg::{GREY, INK, Point, Rect, Sheet, TextStyle, clipped, tinted};
 use crate::clip::Clip;
-use crate::clip::contacts::{FootPoint, foot_point};
+use crate::clip::contacts::{ContactPoint, contact_point};
 use crate::clip::measure::root_path;
 use crate::clip::working::WorkingClip;
 use crate::export::palette::colour;
@@ -23,7 +23,7 @@ struct Drawn {
     /// Time of each working frame in the file, seconds: of its frame 0 is 0.
     times: Vec<f64>,
     /// Points of the feet that the skeleton has, and where they are, metres.
-    feet: Vec<(FootPoint, Vec<DVec3>)>,
+    feet: Vec<(ContactPoint, Vec<DVec3>)>,
     /// Root on the ground per second, m/s.
     speeds: Vec<f64>,
 }
@@ -62,11 +62,11 @@ impl Drawn {
         let working = WorkingClip::new(&clip.name, Arc::new(clip.clone()), first, last);
         let count = working.frame_count();
         let times = (0..count).map(|index| working.source_frame(index as f64) / clip.fps).collect();
-        let points: Vec<_> = FootPoint::ALL
+        let points: Vec<_> = ContactPoint::FEET
             .into_iter()
-            .filter_map(|point| Some((point, foot_point(&clip.skeleton, point)?)))
+            .filter_map(|point| Some((point, contact_point(&clip.skeleton, point)?)))
             .collect();
-        let mut feet: Vec<(FootPoint, Vec<DVec3>)> =
+        let mut feet: Vec<(ContactPoint, Vec<DVec3>)> =
             points.iter().map(|(point, _)| (*point, Vec::with_capacity(count))).collect();
         for index in 0..count {
             let frames = clip.skeleton.forward_kinematics(&working.pose(index as f64));
@@ -79,7 +79,7 @@ impl Drawn {
     }
 
     /// Where a point of a foot is; `None` where the skeleton does not have it.
-    fn places(&self, point: FootPoint) -> Option<&[DVec3]> {
+    fn places(&self, point: ContactPoint) -> Option<&[DVec3]> {
         self.feet.iter().find(|(own, _)| *own == point).map(|(_, places)| places.as_slice())
     }
 }

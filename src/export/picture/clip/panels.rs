@@ -3,7 +3,7 @@
 use super::super::axis::{mark_label, marks, round_step};
 use super::super::svg::{GREY, INK, Point, Rect, Sheet, TextStyle, text_width};
 use super::{Drawn, FLIGHT, STATIONARY, foot_ink};
-use crate::clip::contacts::{FootPoint, percentile, runs};
+use crate::clip::contacts::{ContactPoint, percentile, runs};
 
 /// A chart over the time of the file.
 struct Panel {
@@ -35,8 +35,8 @@ pub(super) fn draw_panels(sheet: &mut Sheet, drawn: &Drawn, place: Rect) {
     let highest = heights.fold(LEAST.0, f64::max) * 1.06;
     let fastest = drawn.speeds.iter().copied().fold(LEAST.1, f64::max) * 1.08;
     let feet = [
-        ("left foot: height, m", [FootPoint::LeftHeel, FootPoint::LeftToe]),
-        ("right foot: height, m", [FootPoint::RightHeel, FootPoint::RightToe]),
+        ("left foot: height, m", [ContactPoint::LeftHeel, ContactPoint::LeftToe]),
+        ("right foot: height, m", [ContactPoint::RightHeel, ContactPoint::RightToe]),
     ];
     for (row, (title, points)) in feet.into_iter().enumerate() {
         let above = row as f64 * BARS;
@@ -60,8 +60,8 @@ fn floor(drawn: &Drawn) -> f64 {
 }
 
 /// Heights of heel and toe, and bars below while they bear.
-fn draw_foot(sheet: &mut Sheet, panel: &Panel, drawn: &Drawn, (points, floor): ([FootPoint; 2], f64)) {
-    let ink = foot_ink(points[0] == FootPoint::LeftHeel);
+fn draw_foot(sheet: &mut Sheet, panel: &Panel, drawn: &Drawn, (points, floor): ([ContactPoint; 2], f64)) {
+    let ink = foot_ink(points[0] == ContactPoint::LeftHeel);
     let edge = panel.frame.y + panel.frame.h;
     for point in points {
         let Some(places) = drawn.places(point) else { continue };
