@@ -237,8 +237,8 @@ fn warnings(read: &ReadClip, working: &WorkingClip) -> Vec<String> {
         ContactPoint::FEET.iter().any(|&point| contact_point(&read.clip.skeleton, point).is_some());
     if has_feet && unsupported as f64 > DOUBTFUL_SHARE * working.frame_count() as f64 {
         warnings.push(format!(
-            "no foot bears on the floor in {unsupported} of {} working frames, and the body does not fly: a slope, steps, a seat, \
-             or sliding feet; contacts there are wrong",
+            "no foot bears in {unsupported} of {} working frames, and the body does not fly: a seat, sliding feet, or hands \
+             that are not stated to bear",
             working.frame_count()
         ));
     }

@@ -89,7 +89,13 @@ mod tests {
 
     #[test]
     fn both_feet_down_is_not_enough_when_short_or_fast() {
-        let planted = Contacts { left_heel: true, left_toe: true, right_heel: true, right_toe: true };
+        let planted = Contacts {
+            left_heel: true,
+            left_toe: true,
+            right_heel: true,
+            right_toe: true,
+            ..Contacts::default()
+        };
         for (frames, speed, expected) in [(30, 0.2, true), (30, 0.3, false), (20, 0.2, false)] {
             let positions = stop_then_walk(0, frames, speed);
             let stays = stationary(&positions, &vec![planted; frames], &StationarySettings::default());

@@ -21,7 +21,7 @@ pub struct BodyReport {
     pub root_drop: f64,
     /// Largest change of a joint's angle; `None` where none changed.
     pub largest_change: Option<JointChange>,
-    /// Every contact of a point of a foot.
+    /// Every contact of a point of a foot, and of a hand.
     pub plants: Vec<PlantedPoint>,
 }
 
@@ -47,7 +47,7 @@ pub struct JointChange {
     pub angle: f64,
 }
 
-/// A point of a foot while it is planted.
+/// A point of a foot, or a hand, while it is planted.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PlantedPoint {
     /// Which point.
@@ -87,7 +87,7 @@ fn shortfalls(skeleton: &Skeleton, input: &BodyInput, legs: &[Leg], poses: &[Pos
     for leg in legs {
         let joint = leg.chain.lower;
         let missing = |at: usize| {
-            let place = world_frame(skeleton, &poses[at], joint).position;
+            let place = leg.chain.place(skeleton, &poses[at]).limb.lower;
             if leg.bound[at] { place.distance(leg.target(at).position) } else { 0.0 }
         };
         push_worst(&mut found, joint, 0, (0..poses.len()).map(missing).collect());
@@ -128,7 +128,7 @@ fn largest_change(before: &[Pose], after: &[Pose]) -> Option<JointChange> {
 
 fn plants(skeleton: &Skeleton, rest: &[Pose], planted: &[Contacts], poses: &[Pose]) -> Vec<PlantedPoint> {
     let mut found = Vec::new();
-    for point in ContactPoint::FEET {
+    for point in ContactPoint::ALL {
         let Some(at) = contact_point(skeleton, point) else {
             continue;
         };

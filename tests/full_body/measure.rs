@@ -9,6 +9,8 @@ use cotillion::metrics::foot_slide;
 use cotillion::skeleton::{Pose, Skeleton};
 use std::sync::Arc;
 
+use super::clips::Stretch;
+
 /// Largest angular acceleration of a knee, rad/s², by second differences.
 pub(crate) fn knee_acceleration(skeleton: &Skeleton, times: &[f64], poses: &[Pose]) -> f64 {
     let knees = legs(skeleton).into_iter().flatten().map(|leg| {
@@ -22,6 +24,19 @@ pub(crate) fn knee_acceleration(skeleton: &Skeleton, times: &[f64], poses: &[Pos
 pub(crate) fn slide(skeleton: &Skeleton, poses: &[Pose], contacts: &[Contacts]) -> f64 {
     let clip = Clip::from_poses("", Arc::new(skeleton.clone()), 30.0, poses);
     foot_slide(&clip, contacts).unwrap_or(0.0)
+}
+
+/// Largest change of the height of a point of a foot or a hand while it bears, metres.
+pub(crate) fn height_change(skeleton: &Skeleton, stretch: &Stretch<'_>, after: &[Pose]) -> f64 {
+    let mut largest = 0.0_f64;
+    for ((before, after), contact) in stretch.rest.iter().zip(after).zip(stretch.contacts) {
+        let (before, after) = (skeleton.forward_kinematics(before), skeleton.forward_kinematics(after));
+        for point in ContactPoint::ALL.into_iter().filter(|point| contact.at(*point)) {
+            let Some(at) = contact_point(skeleton, point) else { continue };
+            largest = largest.max((at.place(&before).y - at.place(&after).y).abs());
+        }
+    }
+    largest
 }
 
 /// Largest change of a joint's angle, radians.

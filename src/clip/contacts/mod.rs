@@ -72,7 +72,7 @@ impl Contacts {
 }
 
 /// A point of the body that can bear: the heel is the ankle joint, the toe the toe joint or, without one, the end of the
-/// foot, the hand its joint.
+/// foot, the hand its joint or, without one, the end of the forearm.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 #[expect(missing_docs, reason = "the names say it")]
 pub enum ContactPoint {
@@ -173,12 +173,14 @@ impl BodyPoint {
 /// Where `point` sits on `skeleton`; `None` where the skeleton does not have it.
 pub fn contact_point(skeleton: &Skeleton, point: ContactPoint) -> Option<BodyPoint> {
     let own = skeleton.joint_of(point.role()).map(|joint| BodyPoint { joint, local: DVec3::ZERO });
-    let foot = match point {
+    let above = match point {
         ContactPoint::LeftToe => JointRole::LeftFoot,
         ContactPoint::RightToe => JointRole::RightFoot,
-        _ => return own,
+        ContactPoint::LeftHand => JointRole::LeftElbow,
+        ContactPoint::RightHand => JointRole::RightElbow,
+        ContactPoint::LeftHeel | ContactPoint::RightHeel => return own,
     };
-    own.or_else(|| end_of(skeleton, skeleton.joint_of(foot)?))
+    own.or_else(|| end_of(skeleton, skeleton.joint_of(above)?))
 }
 
 /// End of the segment of `joint`, without stray end sites.

@@ -87,8 +87,8 @@ fn phases(facts: &ClipFacts) -> Vec<Entry> {
         let on = if foot.ranges.is_empty() { String::new() } else { format!("on the ground {share:.0} %: ") };
         entries.push((key, on + &range_list(&foot.ranges), 2));
     }
-    for (key, role) in [("left hand", "left_hand"), ("right hand", "right_hand")] {
-        let ranges = stated(facts, role);
+    for (key, side) in [("left hand", "left"), ("right hand", "right")] {
+        let ranges = stated(facts, side);
         if !ranges.is_empty() {
             entries.push((key, format!("bears, as stated: {}", range_list(&ranges)), 2));
         }
@@ -112,11 +112,13 @@ fn phases(facts: &ClipFacts) -> Vec<Entry> {
     entries
 }
 
-/// Contacts of the joint of `role`.
-fn stated(facts: &ClipFacts, role: &str) -> Vec<FrameRange> {
-    let joint = facts.roles.iter().find(|fact| fact.role == role).map(|fact| &fact.joint);
-    let of_joint = facts.contacts.iter().filter(|range| joint.is_some() && range.joint.as_ref() == joint);
-    of_joint.map(|range| FrameRange { from: range.from, to: range.to }).collect()
+/// Contacts of the hand of a side: of its joint, or of the end of the forearm.
+fn stated(facts: &ClipFacts, side: &str) -> Vec<FrameRange> {
+    let joint_of = |part: &str| facts.roles.iter().find(|fact| fact.role == format!("{side}_{part}"));
+    let hand = joint_of("hand").map(|fact| fact.joint.clone());
+    let hand = hand.or_else(|| Some(format!("{} end", joint_of("elbow")?.joint)));
+    let of_hand = facts.contacts.iter().filter(|range| hand.is_some() && range.joint == hand);
+    of_hand.map(|range| FrameRange { from: range.from, to: range.to }).collect()
 }
 
 /// Heights of ground that is not the floor, with the first frame on each; heel and toe of one foot, and feet side by side, count
