@@ -44,6 +44,28 @@ const STATIONARY: [(&str, Stretches, Stretches); 6] = [
     ("bvh/cmu_37_01_walk.bvh", &[], &[]),
 ];
 
+/// The only motions in which feet rest on something higher than the floor; in all others no leap, kick, cartwheel, raised
+/// or dangling leg may be taken for it.
+const RAISED: [&str; 7] = [
+    "amc/cmu_03_01_walk_on_uneven_terrain_step_down.amc",
+    "amc/cmu_03_02_walk_on_uneven_terrain.amc",
+    "amc/cmu_127_33_run_over_low_obstacle.amc",
+    "amc/cmu_14_21_climb_3_steps_up_and_down.amc",
+    "bvh/snu_slope_up_10.bvh",
+    "bvh/snu_slope_up_16.bvh",
+    "bvh/snu_walk_to_slope_and_back.bvh",
+];
+
+/// Heights of steps above the floor, metres, measured apart from this program: they rise by 0.214, 0.193 and 0.228 m.
+const LEVELS: [(&str, [f64; 3]); 1] =
+    [("amc/cmu_14_21_climb_3_steps_up_and_down.amc", [0.214, 0.407, 0.635])];
+
+/// Ankles and toes that rest on one step differ by this, metres: soles bend.
+const SOLE: f64 = 0.035;
+
+/// Share of the frames of a clip on steps, slopes and boxes that neither flies nor bears, between feet that slide.
+const UNSUPPORTED: f64 = 0.2;
+
 /// Mean speed of the feet in contact before any clean-up, m/s, measured apart from this program.
 const FOOT_SLIDES: [(&str, f64); 2] =
     [("bvh/cmu_131_01_start_walk_stop.bvh", 0.115), ("bvh/snu_u_turn.bvh", 0.053)];
@@ -70,9 +92,17 @@ fn main() {
         trials.push(trial(format!("{file} loads to the manifest's facts"), facts_agree, file));
         trials.push(trial(format!("{file} is read back as written"), round_trip, file));
         trials.push(trial(format!("{file} can be inspected"), can_be_inspected, file));
+        trials.push(trial(
+            format!("{file} stands on the floor unless it does not"),
+            stands_where_it_does,
+            file,
+        ));
     }
     for (file, ..) in STATIONARY {
         trials.push(trial(format!("{file} stands where it stands"), stationary_agrees, file));
+    }
+    for (file, _) in LEVELS {
+        trials.push(trial(format!("{file} rests on its levels"), rests_on_its_levels, file));
     }
     for (file, _) in FOOT_SLIDES {
         trials.push(trial(format!("{file} slides as it does"), slide_agrees, file));
@@ -172,6 +202,30 @@ fn stationary_agrees(folder: &Path, file: &str) -> Result<(), Failed> {
         return Ok(());
     }
     Err(format!("by speed {slow:?}, with feet {all:?}, expected {expected:?}").into())
+}
+
+fn stands_where_it_does(folder: &Path, file: &str) -> Result<(), Failed> {
+    let working = whole(folder, file)?;
+    if RAISED.contains(&file) == working.grounds.is_empty() {
+        return Err(format!("{:?}", working.grounds).into());
+    }
+    let unsupported =
+        working.contacts.iter().zip(&working.flight).filter(|(bears, flies)| !bears.any() && !**flies);
+    let share = unsupported.count() as f64 / working.frame_count() as f64;
+    if RAISED.contains(&file) && share > UNSUPPORTED {
+        return Err(format!("nothing bears in {share} of the frames").into());
+    }
+    Ok(())
+}
+
+/// Every raised contact is on one of the levels, and every level has contacts.
+fn rests_on_its_levels(folder: &Path, file: &str) -> Result<(), Failed> {
+    let grounds = whole(folder, file)?.grounds;
+    let levels = LEVELS.iter().find(|(name, _)| *name == file).ok_or("no expectation")?.1;
+    let is_on = |level: f64, height: f64| (height - level).abs() < SOLE;
+    let all_known = grounds.iter().all(|ground| levels.iter().any(|level| is_on(*level, ground.height)));
+    let all_used = levels.iter().all(|level| grounds.iter().any(|ground| is_on(*level, ground.height)));
+    if all_known && all_used { Ok(()) } else { Err(format!("{grounds:?}").into()) }
 }
 
 fn slide_agrees(folder: &Path, file: &str) -> Result<(), Failed> {

@@ -83,3 +83,47 @@ pub fn apply(annotated: &[AnnotatedContact], spans: &[Option<(usize, usize)>], c
         contacts[first..=last].iter_mut().for_each(|contact| contact.set(own.point, true));
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use std::collections::BTreeMap;
+
+    use super::*;
+    use crate::clip::builtin::generate;
+
+    fn contact(point: ContactPoint, from: u32, to: u32) -> AnnotatedContact {
+        AnnotatedContact { point, from: SourceFrame(from), to: SourceFrame(to) }
+    }
+
+    #[test]
+    fn points_go_by_role_and_by_joint() {
+        let clip = generate("idle", &BTreeMap::new()).expect("a generated clip");
+        let skeleton = &clip.skeleton;
+        for point in ContactPoint::ALL {
+            assert_eq!(point_named(skeleton, point.role().name()), Ok(point));
+            let joint = skeleton.joint_of(point.role()).expect("the generated body has all");
+            assert_eq!(point_named(skeleton, &skeleton.joints[joint.as_usize()].name), Ok(point));
+        }
+        assert!(matches!(point_named(skeleton, "Fist"), Err(NoPoint::Unknown { .. })));
+        assert!(matches!(point_named(skeleton, "head"), Err(NoPoint::NeitherHandNorFoot { .. })));
+    }
+
+    #[test]
+    fn what_is_stated_of_a_point_replaces_what_is_found_of_it() {
+        let found = Contacts { left_heel: true, left_toe: true, ..Contacts::default() };
+        let mut contacts = vec![found; 6];
+        let stated = [contact(ContactPoint::LeftHeel, 2, 3), contact(ContactPoint::RightHand, 90, 99)];
+        apply(&stated, &[Some((2, 3)), None], &mut contacts);
+        let heels: Vec<bool> = contacts.iter().map(|contact| contact.left_heel).collect();
+        assert_eq!(heels, [false, false, true, true, false, false]);
+        assert!(contacts.iter().all(|contact| contact.left_toe && !contact.right_hand));
+    }
+
+    #[test]
+    fn contacts_overlap_only_where_one_point_shares_a_frame() {
+        use ContactPoint::{LeftHand, RightHand};
+        let apart = [contact(LeftHand, 3, 9), contact(RightHand, 3, 9), contact(LeftHand, 10, 12)];
+        assert_eq!(overlap(&apart), None);
+        assert_eq!(overlap(&[apart[0], apart[1], contact(LeftHand, 9, 12)]), Some((0, 2)));
+    }
+}

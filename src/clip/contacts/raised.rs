@@ -280,3 +280,74 @@ impl Track {
         (is_long && height < rest.height + settings.same_level).then_some(height)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use std::collections::BTreeMap;
+
+    use super::*;
+    use crate::clip::builtin::generate;
+    use crate::clip::contacts::foot_contacts;
+    use crate::index::SourceFrame;
+
+    /// Frames of a generated walk, and its skeleton.
+    fn walk() -> (Skeleton, Vec<Vec<JointFrame>>) {
+        let clip = generate("walk", &BTreeMap::new()).expect("a generated clip");
+        let frames = |frame| clip.skeleton.forward_kinematics(&clip.pose(SourceFrame::from_usize(frame)));
+        (clip.skeleton.as_ref().clone(), (0..clip.frame_count()).map(frames).collect())
+    }
+
+    fn found(
+        skeleton: &Skeleton,
+        poses: &[Vec<JointFrame>],
+        floor: &[Vec<JointFrame>],
+    ) -> (Vec<Contacts>, Vec<RaisedGround>) {
+        let settings = ContactSettings::default();
+        let mut contacts = foot_contacts(skeleton, poses, floor, &settings);
+        let raised = (&RaisedSettings::default(), &settings);
+        let grounds = raise(skeleton, (poses, floor), &mut contacts, raised);
+        (contacts, grounds)
+    }
+
+    fn lifted(poses: &[Vec<JointFrame>], height: f64) -> Vec<Vec<JointFrame>> {
+        let lift = |frame: &JointFrame| JointFrame { position: frame.position + DVec3::Y * height, ..*frame };
+        poses.iter().map(|frames| frames.iter().map(lift).collect()).collect()
+    }
+
+    #[test]
+    fn a_walk_on_a_table_bears_where_a_walk_on_the_floor_does() {
+        /// Ends of contacts, frames: thresholds are above the height at which a foot is still, not above its lowest.
+        const ENDS: usize = 2;
+        let (skeleton, poses) = walk();
+        let (on_floor, none) = found(&skeleton, &poses, &poses);
+        assert!(none.is_empty());
+        for height in [0.2, 0.7] {
+            let (on_table, grounds) = found(&skeleton, &lifted(&poses, height), &poses);
+            assert!(grounds.iter().all(|ground| (ground.height - height).abs() < 0.03), "{grounds:?}");
+            for point in ContactPoint::FEET {
+                let bears = |contacts: &[Contacts]| -> Vec<bool> {
+                    contacts.iter().map(|own| own.at(point)).collect()
+                };
+                let [expected, own] = [&on_floor, &on_table].map(|contacts| runs(&bears(contacts)));
+                // A foot that lands as the clip ends has not carried anybody yet.
+                let whole = |run: &&(usize, usize)| run.1 + 1 < poses.len() && run.0 > 0;
+                for run in expected.iter().filter(whole) {
+                    let is_near = |own: &&(usize, usize)| {
+                        run.0.abs_diff(own.0) <= ENDS && run.1.abs_diff(own.1) <= ENDS
+                    };
+                    assert!(own.iter().any(|own| is_near(&own)), "{point:?}: {run:?} in {own:?}");
+                }
+                assert!(own.len() <= expected.len(), "{point:?}: {own:?} for {expected:?}");
+            }
+        }
+    }
+
+    /// Sitting and hanging alike: nothing moves, so that no foot shows that it carries.
+    #[test]
+    fn a_body_that_hangs_still_bears_nowhere() {
+        let (skeleton, poses) = walk();
+        let still = vec![poses[7].clone(); 60];
+        let (contacts, grounds) = found(&skeleton, &lifted(&still, 0.5), &poses);
+        assert!(grounds.is_empty() && contacts.iter().all(|contact| !contact.any()));
+    }
+}
