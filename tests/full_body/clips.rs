@@ -86,8 +86,11 @@ pub(crate) const RAISED: [&str; 7] = [
     "bvh/snu_walk_to_slope_and_back.bvh",
 ];
 
-/// Clips in which hands bear: joint, first and last frame of each time that one does.
-pub(crate) const ON_HANDS: [(&str, &[(&str, u32, u32)]); 5] = [
+/// Joint, first and last file frame of each time that a hand bears.
+type OnHands = &'static [(&'static str, u32, u32)];
+
+/// Clips in which hands bear: all but the first, a dive and roll, are cartwheels.
+pub(crate) const ON_HANDS: [(&str, OnHands); 5] = [
     ("amc/cmu_127_23_run_dive_over_and_roll_run.amc", &[("left_hand", 156, 172)]),
     ("amc/cmu_49_06_cartwheel.amc", &[("left_hand", 268, 308), ("right_hand", 220, 272)]),
     (
