@@ -46,7 +46,13 @@ plants = "{mode}"
     editor.solve().expect("the constraints agree");
     let mut result = resample(editor.scene(), editor.edit()).expect("a short result");
     let embodied = embody(editor.scene(), editor.edit(), &mut result);
-    embodied.bodies[0].report.plants.clone()
+    let plants = embodied.bodies[0].report.plants.clone();
+    let stated: Vec<(usize, usize)> =
+        result.clips[0].contacts.iter().map(|own| (own.from.as_usize(), own.to.as_usize())).collect();
+    let hands: Vec<(usize, usize)> =
+        of(ContactPoint::LeftHand, &plants).iter().map(|hand| (hand.first, hand.last)).collect();
+    assert_eq!(stated, hands, "the result says what its hands do");
+    plants
 }
 
 fn of(point: ContactPoint, plants: &[PlantedPoint]) -> Vec<&PlantedPoint> {

@@ -87,9 +87,7 @@ pub fn raise(
     });
     let mut grounds = Vec::new();
     for (side, foot) in [&left, &right].into_iter().enumerate() {
-        let beside = |rest: &Rest| {
-            rests[1 - side].iter().any(|other| other.carries && rest.is_beside(other, settings))
-        };
+        let beside = |rest: &Rest| rest.is_beside_one_that_carries(&rests[1 - side], settings);
         let bearing: Vec<&Rest> = rests[side].iter().filter(|rest| rest.carries || beside(rest)).collect();
         for point in &foot.points {
             grounds.extend(point.grounds(&bearing, (settings, contact_settings)));
@@ -145,9 +143,12 @@ struct Rest {
 }
 
 impl Rest {
-    fn is_beside(&self, other: &Self, settings: &RaisedSettings) -> bool {
-        let overlap = self.frames.start() <= other.frames.end() && other.frames.start() <= self.frames.end();
-        overlap && (self.height - other.height).abs() < settings.same_level
+    /// Whether one of `others` (in the order of time) carries on the same level meanwhile.
+    fn is_beside_one_that_carries(&self, others: &[Self], settings: &RaisedSettings) -> bool {
+        let from = others.partition_point(|other| other.frames.end() < self.frames.start());
+        let meanwhile = others[from..].iter().take_while(|other| other.frames.start() <= self.frames.end());
+        let is_level = |other: &Self| (self.height - other.height).abs() < settings.same_level;
+        meanwhile.into_iter().any(|other| other.carries && is_level(other))
     }
 }
 
