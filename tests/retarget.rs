@@ -9,7 +9,7 @@ use std::sync::Arc;
 
 use cotillion::clip::Clip;
 use cotillion::clip::builtin::generate;
-use cotillion::clip::contacts::{FootContacts, FootPoint, foot_point, percentile};
+use cotillion::clip::contacts::{ContactPoint, Contacts, contact_point, percentile};
 use cotillion::clip::file::read_file;
 use cotillion::clip::measure::foot_slide;
 use cotillion::clip::read::ReadOptions;
@@ -268,7 +268,7 @@ fn working(clip: &Clip) -> WorkingClip {
 }
 
 /// Mean slide of the feet where `contacts` say that they bear, m/s.
-fn slide(clip: &Clip, contacts: &[FootContacts]) -> f64 {
+fn slide(clip: &Clip, contacts: &[Contacts]) -> f64 {
     let working = working(clip);
     let poses: Vec<Pose> = (0..working.frame_count()).map(|frame| working.pose(frame as f64)).collect();
     let sampled = Clip::from_poses("", Arc::clone(&clip.skeleton), 1.0 / WORKING_STEP, &poses);
@@ -278,7 +278,7 @@ fn slide(clip: &Clip, contacts: &[FootContacts]) -> f64 {
 /// Height of the lowest ankle or toe in each working frame, metres.
 fn lowest(clip: &Clip) -> Vec<f64> {
     let points: Vec<_> =
-        FootPoint::ALL.iter().filter_map(|point| foot_point(&clip.skeleton, *point)).collect();
+        ContactPoint::FEET.iter().filter_map(|point| contact_point(&clip.skeleton, *point)).collect();
     let working = working(clip);
     let poses = (0..working.frame_count()).map(|frame| working.pose(frame as f64));
     let height = |pose: Pose| {
@@ -290,13 +290,13 @@ fn lowest(clip: &Clip) -> Vec<f64> {
 
 /// Height of the soles' lowest points above the world's ground while feet bear, metres: the lower quartile, as feet that
 /// roll are higher.
-fn standing(clip: &Clip, contacts: &[FootContacts]) -> f64 {
+fn standing(clip: &Clip, contacts: &[Contacts]) -> f64 {
     let heights = lowest(clip).into_iter().zip(contacts);
     percentile(heights.filter(|(_, contact)| contact.any()).map(|(height, _)| height).collect(), 0.25)
 }
 
 /// How far the soles ever sink below where they stand, metres.
-fn depth(clip: &Clip, contacts: &[FootContacts]) -> f64 {
+fn depth(clip: &Clip, contacts: &[Contacts]) -> f64 {
     standing(clip, contacts) - lowest(clip).into_iter().fold(f64::INFINITY, f64::min)
 }
 

@@ -4,8 +4,11 @@ use std::path::Path;
 
 use cotillion::clip::Clip;
 use cotillion::clip::builtin::{self, BuiltinError, BuiltinInfo};
+use cotillion::clip::contacts::ContactPoint;
+use cotillion::clip::contacts::annotated::{AnnotatedContact, overlap, point_named};
 use cotillion::clip::inspect::{ClipFacts, facts_text, inspect as facts_of};
 use cotillion::clip::read::ReadOptions;
+use cotillion::index::SourceFrame;
 use rayon::prelude::*;
 use serde_json::json;
 
@@ -47,9 +50,38 @@ fn clip_and_facts(
     args: &InspectArgs,
     options: &ReadOptions,
 ) -> Result<(Clip, ClipFacts), PlainError> {
-    let read = args.read.read(path, options)?;
+    let mut read = args.read.read(path, options)?;
+    read.clip.contacts.extend(stated_contacts(&args.contact, &read.clip)?);
     let facts = facts_of(&path.display().to_string(), &read);
     Ok((read.clip, facts))
+}
+
+/// Contacts given as JOINT=FIRST..LAST.
+fn stated_contacts(given: &[String], clip: &Clip) -> Result<Vec<AnnotatedContact>, PlainError> {
+    let (first, last) = clip.usable;
+    let wrong = |message: String| {
+        let roles = ContactPoint::ALL.map(|point| point.role().name()).join(", ");
+        let help =
+            format!("write JOINT=FIRST..LAST with frames {} to {} and one of {roles}", first.0, last.0);
+        plain("--contact", message, Some(help))
+    };
+    let contact = |text: &String| {
+        let form = || wrong(format!("\"{text}\" is not JOINT=FIRST..LAST"));
+        let (joint, frames) = text.split_once('=').ok_or_else(form)?;
+        let (from, to) = frames.split_once("..").ok_or_else(form)?;
+        let frame = |text: &str| text.trim().parse().map(SourceFrame).map_err(|_| form());
+        let (from, to) = (frame(from)?, frame(to)?);
+        if from > to || from < first || to > last {
+            return Err(wrong(format!("\"{text}\" is no range of frames of {}", clip.name)));
+        }
+        let point = point_named(&clip.skeleton, joint.trim()).map_err(|error| wrong(error.to_string()))?;
+        Ok(AnnotatedContact { point, from, to })
+    };
+    let contacts: Vec<AnnotatedContact> = given.iter().map(contact).collect::<Result<_, _>>()?;
+    match overlap(&contacts) {
+        None => Ok(contacts),
+        Some((a, b)) => Err(wrong(format!("\"{}\" and \"{}\" overlap", given[a], given[b]))),
+    }
 }
 
 /// Lists generated clips, or writes one.

@@ -87,6 +87,16 @@ fn phases(facts: &ClipFacts) -> Vec<Entry> {
         let on = if foot.ranges.is_empty() { String::new() } else { format!("on the ground {share:.0} %: ") };
         entries.push((key, on + &range_list(&foot.ranges), 2));
     }
+    for (key, side) in [("left hand", "left"), ("right hand", "right")] {
+        let ranges = stated(facts, side);
+        if !ranges.is_empty() {
+            entries.push((key, format!("bears, as stated: {}", range_list(&ranges)), 2));
+        }
+    }
+    let higher = higher_ground(facts);
+    if !higher.is_empty() {
+        entries.push(("higher", higher, 2));
+    }
     if let Some(slide) = facts.foot_slide {
         entries.push(("foot slide", format!("{slide:.3} m/s while on the ground"), 1));
     }
@@ -100,6 +110,40 @@ fn phases(facts: &ClipFacts) -> Vec<Entry> {
         entries.push(("events", events.join(", "), 2));
     }
     entries
+}
+
+/// Contacts of the hand of a side: of its joint, or of the end of the forearm.
+fn stated(facts: &ClipFacts, side: &str) -> Vec<FrameRange> {
+    let joint_of = |part: &str| facts.roles.iter().find(|fact| fact.role == format!("{side}_{part}"));
+    let hand = joint_of("hand").map(|fact| fact.joint.clone());
+    let hand = hand.or_else(|| Some(format!("{} end", joint_of("elbow")?.joint)));
+    let of_hand = facts.contacts.iter().filter(|range| hand.is_some() && range.joint == hand);
+    of_hand.map(|range| FrameRange { from: range.from, to: range.to }).collect()
+}
+
+/// Heights of ground that is not the floor, with the first frame on each; heel and toe of one foot, and feet side by side, count
+/// once.
+fn higher_ground(facts: &ClipFacts) -> String {
+    /// Grounds nearer than this in height are one, metres.
+    const SAME: f64 = 0.08;
+    let raised = facts.contacts.iter().filter_map(|range| Some((range.from, range.to, range.ground?)));
+    let mut raised: Vec<(u32, u32, f64)> = raised.collect();
+    raised.sort_by_key(|(from, ..)| *from);
+    let mut kept: Vec<(u32, u32, f64)> = Vec::new();
+    for (from, to, height) in raised {
+        match kept.last_mut() {
+            Some(last) if from <= last.1 && (height - last.2).abs() < SAME => last.1 = last.1.max(to),
+            _ => kept.push((from, to, height)),
+        }
+    }
+    let more = kept.len().saturating_sub(RANGES_SHOWN);
+    let shown: Vec<String> = kept
+        .iter()
+        .take(RANGES_SHOWN)
+        .map(|(from, to, height)| format!("{height:.2} m {from}–{to}"))
+        .collect();
+    let tail = if more > 0 { format!(" and {more} more") } else { String::new() };
+    shown.join(", ") + &tail
 }
 
 /// A change of facing in words, to whole degrees.

@@ -4,7 +4,7 @@ use glam::{DMat3, DQuat, DVec3};
 
 use crate::clip::Clip;
 use crate::clip::contacts::{
-    ContactSettings, FootPoint, foot_contacts, foot_point, percentile, sampled_frames,
+    ContactPoint, ContactSettings, contact_point, foot_contacts, percentile, sampled_frames,
 };
 use crate::clip::working::WORKING_STEP;
 use crate::skeleton::{JointFrame, JointRole, Skeleton};
@@ -61,14 +61,14 @@ impl Stance {
 }
 
 /// Ankle and toe point of a side.
-const POINTS: [[FootPoint; 2]; 2] =
-    [[FootPoint::LeftHeel, FootPoint::LeftToe], [FootPoint::RightHeel, FootPoint::RightToe]];
+const POINTS: [[ContactPoint; 2]; 2] =
+    [[ContactPoint::LeftHeel, ContactPoint::LeftToe], [ContactPoint::RightHeel, ContactPoint::RightToe]];
 
 /// Frames of the ankle where a foot stands flat, left and right: both ends bear, and are lowest.
 fn flat_feet(skeleton: &Skeleton, poses: &[Vec<JointFrame>]) -> [Vec<JointFrame>; 2] {
     let contacts = foot_contacts(skeleton, poses, poses, &ContactSettings::default());
     POINTS.map(|points| {
-        let [Some(ankle), Some(toe)] = points.map(|point| foot_point(skeleton, point)) else {
+        let [Some(ankle), Some(toe)] = points.map(|point| contact_point(skeleton, point)) else {
             return Vec::new();
         };
         let is_flat = |index: &usize| points.iter().all(|point| contacts[*index].at(*point));
@@ -84,8 +84,8 @@ fn flat_feet(skeleton: &Skeleton, poses: &[Vec<JointFrame>]) -> [Vec<JointFrame>
 }
 
 fn sole(skeleton: &Skeleton, side: usize, flat: &[JointFrame], body: DQuat) -> Option<Sole> {
-    let ankle = foot_point(skeleton, POINTS[side][0])?;
-    let toe = foot_point(skeleton, POINTS[side][1])?;
+    let ankle = contact_point(skeleton, POINTS[side][0])?;
+    let toe = contact_point(skeleton, POINTS[side][1])?;
     let mut to_toe = toe.local;
     let mut joint = toe.joint;
     while joint != ankle.joint {
@@ -110,7 +110,7 @@ fn ankle_height(skeleton: &Skeleton, poses: &[Vec<JointFrame>], flat: &[Vec<Join
         .filter(|frames| !frames.is_empty())
         .map(|frames| percentile(frames.iter().map(|frame| frame.position.y).collect(), 0.5));
     let floors = POINTS.iter().filter_map(|points| {
-        let ankle = foot_point(skeleton, points[0])?;
+        let ankle = contact_point(skeleton, points[0])?;
         Some(percentile(poses.iter().map(|frames| ankle.place(frames).y).collect(), FLOOR_SHARE))
     });
     medians.reduce(f64::min).or_else(|| floors.reduce(f64::min)).unwrap_or(0.0)
