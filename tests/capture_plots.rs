@@ -3,7 +3,7 @@
 
 use std::path::{Path, PathBuf};
 
-use cotillion::clip::contacts::{FootPoint, foot_point};
+use cotillion::clip::contacts::{ContactPoint, contact_point};
 use cotillion::clip::working::WORKING_STEP;
 use cotillion::edit::{Edit, Editor};
 use cotillion::embody::{Embodied, embody};
@@ -279,8 +279,8 @@ fn slides(played: &Played<'_>, who: CharacterId) -> [f64; 2] {
     let shown: [(Vec<Vec<JointFrame>>, Vec<f64>); 2] = [(captured, own_times), (edited, body.times.clone())];
     shown.map(|(poses, times)| {
         let (mut length, mut seconds) = (0.0, 0.0);
-        for point in FootPoint::ALL {
-            let at = foot_point(skeleton, point).expect("captured bodies have feet");
+        for point in ContactPoint::FEET {
+            let at = contact_point(skeleton, point).expect("captured bodies have feet");
             let stands = |sample: &usize| {
                 let moves = frames[*sample] > frames[sample - 1]; // who waits does not slide
                 moves && body.planted[sample - 1].at(point) && body.planted[*sample].at(point)

@@ -237,7 +237,7 @@ fn roll_off(onto: &str) -> Result<(), Failed> {
     let own = clip(DOWNWARD)?;
     let (there, report) = retarget(&own, &clip(onto)?)?;
     let contacts = working(&own).contacts;
-    let lengths = FootPoint::ALL.map(|point| {
+    let lengths = ContactPoint::FEET.map(|point| {
         let [from, to] = [&own, &there].map(|clip| ways(clip, point));
         let floor = |ways: &[DVec3]| percentile(ways.iter().map(|place| place.y).collect(), 0.01);
         let [floor_from, floor_to] = [floor(&from), floor(&to)];
@@ -256,8 +256,8 @@ fn roll_off(onto: &str) -> Result<(), Failed> {
 }
 
 /// Places of a point of the feet in each working frame.
-fn ways(clip: &Clip, point: FootPoint) -> Vec<DVec3> {
-    let at = foot_point(&clip.skeleton, point).expect("walking bodies have feet");
+fn ways(clip: &Clip, point: ContactPoint) -> Vec<DVec3> {
+    let at = contact_point(&clip.skeleton, point).expect("walking bodies have feet");
     let working = working(clip);
     let poses = (0..working.frame_count()).map(|frame| working.pose(frame as f64));
     poses.map(|pose| at.place(&clip.skeleton.forward_kinematics(&pose))).collect()
