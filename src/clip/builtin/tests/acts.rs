@@ -216,7 +216,7 @@ fn palms_are_on_the_sides_of_the_box_while_it_is_held() {
                 assert!((left - right - DVec3::X * values["width"]).length() < ON_IT);
             }
             if let Some(height) = values.get("height") {
-                let grip = (height / 2.0_f64).max(0.1 * scale(clip));
+                let grip = values["on"] + (height / 2.0_f64).max(0.1 * scale(clip));
                 let expected = DVec3::new(values["width"] / 2.0, grip, 0.40 * scale(clip));
                 assert!(palms(clip, event)[0].distance(expected) < ON_IT, "{name}");
             }
