@@ -74,10 +74,10 @@ const BOX_HEIGHT: BuiltinParameter = BuiltinParameter {
 
 const ON: BuiltinParameter = BuiltinParameter {
     name: "on",
-    description: "height of what the box stands on; 0 is the floor",
+    description: "height of what the box stands on, at another stature in proportion; 0 is the floor",
     unit: "m",
     default: 0.0,
-    range: (0.0, 0.9),
+    range: (0.0, 0.6),
 };
 
 /// Palms on a box that is held before the waist, and their fingers below the horizon in radians: up and ahead.
@@ -107,10 +107,13 @@ fn pick_up(body: &Body, values: &Values) -> Made {
     let seconds = last_frame as f64 / FPS;
     let grasp_frame = frame_at(GRASP * seconds);
     let grasp = grasp_frame as f64 / FPS;
-    let palm = values["on"] + (values["height"] / 2.0).max(LOWEST_PALM * body.scale);
+    // The higher the box stands, the more the hands are on it as they hold it. Their wrists are as much higher as it is, so
+    // that it is put exactly there, whatever it was lifted from.
+    let fingers = ON_FLOOR.1 + (HELD.2 - ON_FLOOR.1) * (values["on"] / HELD.0).min(1.0);
+    let turned = palm_from_wrist(body, fingers).y - palm_from_wrist(body, ON_FLOOR.1).y;
+    let on_floor = (values["height"] / 2.0).max(LOWEST_PALM * body.scale);
+    let palm = on_floor + values["on"] * body.scale + turned;
     let held = HELD.0 * body.scale;
-    // The higher it stands, the more the hands are on it as they hold it; on the floor they point down.
-    let fingers = ON_FLOOR.1 + (HELD.2 - ON_FLOOR.1) * (values["on"] / held).min(1.0);
     let depth = depth_for(body, values["width"], (palm, fingers));
     let times = [0.0, BENT * seconds, grasp + 0.04 * seconds, UPRIGHT * seconds];
     let mut act = Performance::standing(body);

@@ -3,7 +3,7 @@
 use glam::DVec3;
 
 use super::arms::palm_from_wrist;
-use super::body::{Body, NECK, Side, leg_joints};
+use super::body::{Body, NECK, Side};
 use super::gait::{Bearing, Gait};
 use super::lift::HELD;
 use super::limbs::ArmTarget;
@@ -90,14 +90,14 @@ const PUSH: BuiltinInfo = BuiltinInfo {
 
 const DUCK_WALK: BuiltinInfo = BuiltinInfo {
     name: "duck_walk",
-    description: "walks ducked, hands on the knees; ducks where it starts and rises where it stops",
+    description: "walks ducked, hands beside the knees; ducks where it starts and rises where it stops",
     parameters: &[
         BuiltinParameter {
             name: "speed",
             description: SPEED_HELP,
             unit: "m/s",
             default: 0.6,
-            range: (0.4, 0.8),
+            range: (0.3, 0.6),
         },
         BuiltinParameter { range: (-20.0, 20.0), ..TURN },
         BuiltinParameter {
@@ -126,7 +126,7 @@ const DUCK_WALK: BuiltinInfo = BuiltinInfo {
 
 /// Wrists of one who pushes something tall, or low, metres at 1.75 m.
 const CHEST_HIGH: f64 = 1.2;
-const KNEE_HIGH: f64 = 0.4;
+const KNEE_HIGH: f64 = 0.5;
 
 /// Whether the hands come from hanging.
 const TAKE: BuiltinParameter = BuiltinParameter {
@@ -156,7 +156,8 @@ type Hold = fn(&Body, &Values, &Pose, Side) -> ArmTarget;
 
 fn carry(body: &Body, values: &Values) -> Made {
     let bearing = Bearing { lean: -0.05, still: 0.9, ..Bearing::default() };
-    let beside = |body: &Body, values: &Values, pose: &Pose, side| beside_box(body, values["width"], pose, side);
+    let beside =
+        |body: &Body, values: &Values, pose: &Pose, side| beside_box(body, values["width"], pose, side);
     made(body, (values, hands_move(values, ["take", "give"])), bearing, beside)
 }
 
@@ -164,10 +165,10 @@ fn push(body: &Body, values: &Values) -> Made {
     let stooped = stooped(values);
     let mixed = |upright: f64, low: f64| upright + stooped * (low - upright);
     let bearing = Bearing {
-        ahead: mixed(0.09, -0.12),
-        low: mixed(0.0, 0.28),
-        tilt: mixed(0.20, 0.75),
-        lean: mixed(0.20, 0.75),
+        ahead: mixed(0.09, -0.09),
+        low: mixed(0.0, 0.14),
+        tilt: mixed(0.20, 0.65),
+        lean: mixed(0.20, 0.85),
         still: 0.9,
     };
     made(body, (values, hands_move(values, ["take", "give"])), bearing, against)
@@ -179,8 +180,8 @@ fn stooped(values: &Values) -> f64 {
 }
 
 fn duck_walk(body: &Body, values: &Values) -> Made {
-    let bearing = Bearing { ahead: -0.06, low: 0.32, tilt: 0.45, lean: 0.55, still: 0.9 };
-    made(body, (values, hands_move(values, ["down", "up"])), bearing, on_knees)
+    let bearing = Bearing { ahead: -0.09, low: 0.15, tilt: 0.60, lean: 0.75, still: 0.9 };
+    made(body, (values, hands_move(values, ["down", "up"])), bearing, beside_knees)
 }
 
 /// Whether the hands move at the start and at the stop, by the names of the parameters that say so.
@@ -251,24 +252,30 @@ pub(super) fn beside_box(body: &Body, width: f64, pose: &Pose, side: Side) -> Ar
 
 /// Palms against something upright ahead, which moves as evenly as the body travels.
 fn against(body: &Body, values: &Values, pose: &Pose, side: Side) -> ArmTarget {
+    /// Fingers above the horizon, radians.
+    const UPRIGHT: f64 = 1.326;
+    const LEVEL: f64 = -0.1;
     let stooped = stooped(values);
-    let wrist = DVec3::new(0.19 * side.sign(), values["height"], 0.60 + 0.06 * stooped);
+    let wrist = DVec3::new(0.19 * side.sign(), values["height"], 0.60 - 0.01 * stooped);
+    // Fingers point up where arms push straight ahead; who stoops has them on top, over the edge.
+    let up = UPRIGHT * (1.0 - stooped) + LEVEL * stooped;
     ArmTarget {
         wrist: pose.root.with_x(0.0).with_y(0.0) + wrist * body.scale,
-        elbow: DVec3::new((0.7 + 0.5 * stooped) * side.sign(), -1.0 + 0.8 * stooped, -0.2),
-        fingers: DVec3::new(0.0, 1.0, 0.25),
-        palm: DVec3::new(0.0, -0.25, 1.0),
+        elbow: DVec3::new((0.7 + 0.2 * stooped) * side.sign(), -1.0 + 0.4 * stooped, -0.2),
+        fingers: DVec3::new(0.0, up.sin(), up.cos()),
+        palm: DVec3::new(-0.6 * stooped * side.sign(), -up.cos(), up.sin()),
     }
 }
 
-/// Palms on the knees.
-fn on_knees(body: &Body, _: &Values, pose: &Pose, side: Side) -> ArmTarget {
-    let [hip, knee, ..] = leg_joints(side);
-    let frames = body.skeleton.forward_kinematics(pose);
-    let [hip, knee] = [hip, knee].map(|joint| frames[joint].position);
-    let thigh = (knee - hip).normalize();
-    let up = (DVec3::Y - thigh * thigh.y).normalize_or(DVec3::Z);
-    // The palm lies on the thigh, fingers over the knee.
-    let wrist = knee + (up * 0.09 - thigh * 0.09) * body.scale;
-    ArmTarget { wrist, elbow: DVec3::new(side.sign(), 0.2, -0.4), fingers: thigh - DVec3::Y * 0.3, palm: -up }
+/// Hands beside the knees: they move as evenly as the body travels.
+fn beside_knees(body: &Body, _: &Values, pose: &Pose, side: Side) -> ArmTarget {
+    /// Fingers below the horizon, radians.
+    const FINGERS: f64 = 0.9;
+    let outwards = DVec3::X * side.sign();
+    ArmTarget {
+        wrist: pose.root.with_x(0.0) + (outwards * 0.23 + DVec3::new(0.0, -0.22, 0.44)) * body.scale,
+        elbow: DVec3::new(0.6 * side.sign(), -0.4, -1.0),
+        fingers: palm_from_wrist(body, FINGERS),
+        palm: -outwards,
+    }
 }
