@@ -185,8 +185,8 @@ fn touches_are_exact_and_in_the_order_of_the_story() {
         "push_1 shoves dodge_2",
         "dodge_1 shoves shrink_1",
         "dodge_2 dodges duck_2",
-        "dodge_2 shoves shrink_2",
         "shrink_1 jumps over duck_2",
+        "dodge_2 shoves shrink_2",
     ];
     let times = story.map(time);
     assert!(times.is_sorted_by(|a, b| a < b), "{times:?}");
