@@ -3,11 +3,12 @@
 
 use std::path::Path;
 
-use cotillion::constraint::{Constraint, ConstraintKind, Strength};
+use cotillion::constraint::{Constraint, ConstraintKind, Moment, Strength};
 use cotillion::edit::{Edit, Editor, Moved};
+use cotillion::effector::EffectorTarget;
 use cotillion::embody::embody;
 use cotillion::geometry::{c64, plan_of, wrap};
-use cotillion::index::CharacterId;
+use cotillion::index::{CharacterId, JointId};
 use cotillion::object::ObjectPose;
 use cotillion::object_motion::{
     AtRest, ObjectMotion, Owner, Performance, moment_time, object_motions, skeleton_of,
@@ -172,6 +173,18 @@ fn touches_are_exact_and_in_the_order_of_the_story() {
     assert_eq!(scene.end_effectors.len(), 4);
     for (touch, miss) in scene.end_effectors.iter().zip(effector_residuals(&stage, &embodied)) {
         assert!(miss < REACHED, "{}: {miss}", touch.name);
+    }
+    let joint = |moment: &Moment, joint: JointId| {
+        let (who, time) = (moment.character, moment_time(&scene, &embodied, moment));
+        let pose = embodied.pose(who, embodied.frame(who, time));
+        skeleton_of(&scene, who).forward_kinematics(&pose)[joint.as_usize()].position
+    };
+    for touch in &scene.end_effectors {
+        let EffectorTarget::Joint { joint: chest, point, when: Some(theirs), .. } = &touch.target else {
+            panic!("{} is on somebody's back", touch.name);
+        };
+        let (hand, back) = (joint(touch.when.moments()[0], touch.joint), joint(theirs.moments()[0], *chest));
+        assert!((hand.distance(back) - point.length()).abs() < REACHED, "{}", touch.name);
     }
     let syncs = syncs(&scene, &edit);
     let time = |story: &str| {
