@@ -8,19 +8,19 @@ use super::super::mass::center_of_mass;
 use super::*;
 
 /// Clips of locomotion.
-const LOCOMOTION: [&str; 6] = ["walk", "run", "side_step", "carry_side", "carry", "push"];
+const LOCOMOTION: [&str; 7] = ["walk", "run", "side_step", "carry_side", "carry", "push", "duck_walk"];
 
 /// Every corner of the ranges of all parameters but the length; who stops also starts, and who gives takes.
 static CORNERS: LazyLock<Vec<Clip>> = LazyLock::new(|| {
     let corners = LOCOMOTION.iter().flat_map(|name| {
         let info = info(name);
-        let bound = ["seconds", "stop", "give"];
+        let bound = ["seconds", "stop", "give", "up"];
         let free: Vec<_> = info.parameters.iter().filter(|free| !bound.contains(&free.name)).collect();
         (0..1_u32 << free.len()).map(move |corner| {
             let ends = free.iter().enumerate().flat_map(|(bit, parameter)| {
                 let (low, high) = parameter.range;
                 let end = if corner >> bit & 1 == 1 { high } else { low };
-                let also = [("start", "stop"), ("take", "give")].into_iter();
+                let also = [("start", "stop"), ("take", "give"), ("down", "up")].into_iter();
                 let also = also.filter(|(leader, _)| *leader == parameter.name).map(|(_, other)| other);
                 [parameter.name].into_iter().chain(also).map(move |name| (name, end))
             });
@@ -249,6 +249,7 @@ fn neither_joints_nor_the_pelvis_jump_in_speed() {
         ("carry_side", 450.0, 7.5),
         ("carry", 600.0, 5.0),
         ("push", 280.0, 2.0),
+        ("duck_walk", 280.0, 2.0),
     ] {
         for clip in CORNERS.iter().filter(|clip| clip.name == name) {
             let (fastest, root) = accelerations(clip);
