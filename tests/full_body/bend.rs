@@ -12,25 +12,47 @@ pub(crate) struct Bend {
     pub(crate) stretch: f64,
 }
 
-/// `poses` with their roots moved and turned.
-pub(crate) fn bent(poses: &[Pose], bend: Bend) -> Vec<Pose> {
-    let (Some(first), Some(last)) = (poses.first(), poses.last()) else {
-        return Vec::new();
-    };
-    let start = plan_of(first.root);
-    let chord = plan_of(last.root) - start;
-    let ahead = chord / chord.norm();
-    let length = bend.stretch * chord.norm();
-    let moved = |pose: &Pose| {
-        let local = (plan_of(pose.root) - start) / ahead;
-        let (along, left) = (bend.stretch * local.re, local.im);
-        let (place, turn) = laid(along, left, bend.turn, length);
+/// The chord of a path, and the arc onto which it is laid.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Chord {
+    start: c64,
+    ahead: c64,
+    /// Of the arc, metres.
+    length: f64,
+    bend: Bend,
+}
+
+impl Bend {
+    /// Of the path of `poses`, of which there are two or more.
+    pub(crate) fn chord(self, poses: &[Pose]) -> Chord {
+        let start = plan_of(poses[0].root);
+        let chord = plan_of(poses[poses.len() - 1].root) - start;
+        Chord { start, ahead: chord / chord.norm(), length: self.stretch * chord.norm(), bend: self }
+    }
+}
+
+impl Chord {
+    /// `pose` with its root moved and turned.
+    fn lay(&self, pose: &Pose) -> Pose {
+        let local = (plan_of(pose.root) - self.start) / self.ahead;
+        let (place, turn) = laid(self.bend.stretch * local.re, local.im, self.bend.turn, self.length);
         let mut moved = pose.clone();
-        moved.root = world_of(start + ahead * place, pose.root.y);
+        moved.root = world_of(self.start + self.ahead * place, pose.root.y);
         moved.rotations[0] = yaw(turn) * pose.rotations[0];
         moved
-    };
-    poses.iter().map(moved).collect()
+    }
+
+    /// By how much lengths along the chord change at a place; lengths across stay.
+    pub(crate) fn factor(&self, place: c64) -> f64 {
+        let left = ((place - self.start) / self.ahead).im;
+        self.bend.stretch * (1.0 - left * self.bend.turn / self.length)
+    }
+}
+
+/// `poses` with their roots moved and turned.
+pub(crate) fn bent(poses: &[Pose], bend: Bend) -> Vec<Pose> {
+    let chord = bend.chord(poses);
+    poses.iter().map(|pose| chord.lay(pose)).collect()
 }
 
 /// The point `along` and `left` of a chord of `length`, laid onto an arc that turns by `turn` over it, and the turn there.
