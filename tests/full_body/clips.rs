@@ -8,6 +8,7 @@ use cotillion::clip::file::read_file;
 use cotillion::clip::read::ReadOptions;
 use cotillion::clip::working::{WORKING_STEP, WorkingClip};
 use cotillion::geometry::plan_of;
+use cotillion::index::floor_index;
 use cotillion::skeleton::{Pose, Skeleton};
 use libtest_mimic::Failed;
 
@@ -88,10 +89,12 @@ const WRONG_RATE: &str = "snu_";
 /// What they were captured at.
 const RIGHT_RATE: f64 = 30.0;
 
-/// A clip, on working frames.
+/// A clip, on working frames or on its own.
 pub(crate) struct Walk {
     pub(crate) working: WorkingClip,
+    pub(crate) times: Vec<f64>,
     pub(crate) poses: Vec<Pose>,
+    pub(crate) contacts: Vec<FootContacts>,
 }
 
 impl Walk {
@@ -102,9 +105,24 @@ impl Walk {
     pub(crate) fn stretch(&self, (first, last): (usize, usize)) -> Stretch<'_> {
         Stretch {
             walk: self,
-            times: (first..=last).map(|frame| frame as f64 * WORKING_STEP).collect(),
+            times: self.times[first..=last].to_vec(),
             rest: &self.poses[first..=last],
-            contacts: &self.working.contacts[first..=last],
+            contacts: &self.contacts[first..=last],
+        }
+    }
+
+    /// The same at `fps`; each pose has the contacts of the nearest working frame.
+    pub(crate) fn at_rate(&self, fps: f64) -> Self {
+        let working = self.working.clone();
+        let last = (working.frame_count() - 1) as f64;
+        let frames: Vec<f64> =
+            (0..).map(|k| f64::from(k) / fps / WORKING_STEP).take_while(|frame| *frame <= last).collect();
+        let nearest = |frame: &f64| working.contacts[floor_index(frame.round())];
+        Self {
+            times: frames.iter().map(|frame| frame * WORKING_STEP).collect(),
+            poses: frames.iter().map(|frame| working.pose(*frame)).collect(),
+            contacts: frames.iter().map(nearest).collect(),
+            working,
         }
     }
 }
@@ -125,8 +143,11 @@ pub(crate) fn load(folder: &Path, file: &str) -> Result<Walk, Failed> {
     let clip = if is_wrong { read_file(&path, None, &options)?.clip } else { read.clip };
     let (first, last) = clip.usable;
     let working = WorkingClip::new(file, Arc::new(clip), first, last);
-    let poses = (0..working.frame_count()).map(|frame| working.pose(frame as f64)).collect();
-    Ok(Walk { working, poses })
+    let frames = 0..working.frame_count();
+    let times = frames.clone().map(|frame| frame as f64 * WORKING_STEP).collect();
+    let poses = frames.map(|frame| working.pose(frame as f64)).collect();
+    let contacts = working.contacts.clone();
+    Ok(Walk { working, times, poses, contacts })
 }
 
 /// A stretch longer than this times its chord has no direction.
