@@ -74,11 +74,12 @@ impl Strides {
             let [heel, toe] = bearing(stretch.contacts, side);
             let track = LegTrack { rest: places(stretch.rest), moved: places(moved), heel, toe };
             for plant in plants(&stretch.times, &track) {
-                for at in plant.span.first..=plant.span.last {
+                let span = plant.span.first..=plant.span.last;
+                for (at, own) in span.clone().zip(&mut strides[side][span]) {
                     let limb = track.moved[at].limb;
                     let length: f64 = limb.lengths().iter().sum();
                     let foot = plant.carry(&track.rest[at].end_pose()).position;
-                    strides[side][at] = (plan_of(foot) - plan_of(limb.upper)).norm() / length;
+                    *own = (plan_of(foot) - plan_of(limb.upper)).norm() / length;
                 }
             }
         }
