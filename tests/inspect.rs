@@ -66,7 +66,7 @@ fn every_clip_has_pictures_however_odd_it_is() {
             .clip;
         assert_sound(&clip_svg(&clip));
         for view in VIEWS {
-            assert_sound(&strip_svg(&clip, &StripOptions { poses: 5, view }));
+            assert_sound(&strip_svg(&clip, &[], &StripOptions { poses: 5, view }));
         }
     }
 }
@@ -77,8 +77,8 @@ fn equal_clips_have_equal_pictures() {
     assert_eq!(clip_svg(&walk()), clip_svg(&walk()));
     for view in VIEWS {
         let options = StripOptions { poses: 7, view };
-        let svg = strip_svg(&walk(), &options);
-        assert_eq!(svg, strip_svg(&walk(), &options));
+        let svg = strip_svg(&walk(), &[], &options);
+        assert_eq!(svg, strip_svg(&walk(), &[], &options));
         assert_eq!(svg.matches("<title>frame ").count(), 7);
     }
 }
@@ -86,7 +86,7 @@ fn equal_clips_have_equal_pictures() {
 #[test]
 fn a_strip_names_the_events_it_shows() {
     let slap = generate("slap", &BTreeMap::new()).expect("a generated clip");
-    let svg = strip_svg(&slap, &StripOptions::default());
+    let svg = strip_svg(&slap, &[], &StripOptions::default());
     assert!(svg.contains(">hit</text>"));
     assert!(svg.contains(&format!(">{}</text>", slap.events["hit"].0)));
     assert!(clip_svg(&slap).contains(">hit</text>"));

@@ -63,7 +63,7 @@ pub(super) fn draw(output: &Output, args: &DrawArgs, clips: &[Clip]) -> Result<(
     }
     if let Some(path) = &args.strip {
         let options = StripOptions { poses: usize::from(args.poses), view: args.view.into() };
-        write(output, path, (clips, "strip"), |clip| strip_svg(clip, &options))?;
+        write(output, path, (clips, "strip"), |clip| strip_svg(clip, &[], &options))?;
     }
     Ok(())
 }

@@ -24,6 +24,7 @@ pub(super) enum Cloth {
     Hair,
     Shoe,
     Bone,
+    Thing,
 }
 
 /// A ball of flesh, metres.
@@ -60,6 +61,7 @@ pub(super) enum Kind {
     Trunk,
     Head,
     Limb,
+    Thing,
 }
 
 /// What is fitted to a whole clip, to draw any of its poses.
