@@ -8,7 +8,8 @@ use crate::export::bvh::{BvhOptions, to_bvh_with};
 use crate::export::files::{OutputFile, file_names};
 use crate::export::gltf::{GlbObject, GlbScene, Performer, to_glb};
 use crate::export::picture::{
-    Actor, Handle, Picture, PictureObject, StripOptions, StripThing, StripView, Tie, strip_svg, to_svg,
+    Actor, Company, Handle, Picture, PictureObject, StripOptions, StripThing, StripView, Tie, strip_svg,
+    to_svg,
 };
 use crate::geometry::c64;
 use crate::index::{SourceFrame, floor_index};
@@ -39,7 +40,7 @@ pub fn scene_files(scene: &Scene, edit: &Edit, resampled: &Resampled, bvh: &BvhO
 }
 
 /// Poses of every character side by side, seen from the side and from above, the moments that the scene names among them;
-/// with each pose the objects near it.
+/// with each pose the objects and partners near it.
 pub fn strip_files(scene: &Scene, edit: &Edit, resampled: &Resampled) -> Vec<OutputFile> {
     let names: Vec<&str> = scene.characters.iter().map(|character| character.name.as_str()).collect();
     let mut clips = resampled.clips.clone();
@@ -63,8 +64,12 @@ pub fn strip_files(scene: &Scene, edit: &Edit, resampled: &Resampled) -> Vec<Out
     let views = [("side", StripView::Side), ("above", StripView::Above)];
     let strips = views.into_iter().flat_map(|(word, view)| {
         let options = StripOptions { view, ..StripOptions::default() };
-        let svg = |clip: &Clip| strip_svg(clip, &things, &options);
-        file_names(&names).into_iter().zip(clips.iter().map(svg).collect::<Vec<_>>()).map(
+        let svg = |(who, clip): (usize, &Clip)| {
+            let others = resampled.clips.iter().enumerate().filter(|(other, _)| *other != who);
+            let partners: Vec<&Clip> = others.map(|(_, clip)| clip).collect();
+            strip_svg(clip, &Company { things: &things, partners: &partners }, &options)
+        };
+        file_names(&names).into_iter().zip(clips.iter().enumerate().map(svg).collect::<Vec<_>>()).map(
             move |(name, svg)| OutputFile { name: format!("{name}.{word}.svg"), bytes: svg.into_bytes() },
         )
     });

@@ -19,6 +19,7 @@ use crate::skeleton::{JointFrame, JointRole, Skeleton};
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Cloth {
     Shirt,
+    PartnerShirt,
     Trousers,
     Skin,
     Hair,

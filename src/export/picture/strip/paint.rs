@@ -175,6 +175,7 @@ fn sorted<'a>(camera: &Camera, group: &'a Group) -> Vec<&'a Part> {
 const fn colour(cloth: Cloth) -> [f64; 3] {
     match cloth {
         Cloth::Shirt => [76.0, 138.0, 200.0],
+        Cloth::PartnerShirt => [150.0, 160.0, 148.0],
         Cloth::Trousers => [84.0, 94.0, 122.0],
         Cloth::Skin => [236.0, 188.0, 152.0],
         Cloth::Hair => [96.0, 70.0, 54.0],

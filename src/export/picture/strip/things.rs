@@ -1,10 +1,21 @@
-//! Things near a body: boxes that it carries, or that stand where it grasps them.
+//! What is near a body: boxes that it carries, or that stand where it grasps them, and partners.
 
 use glam::DVec3;
 
-use super::figure::{Ball, Cloth, Group, Kind, Part};
+use super::figure::{Ball, Cloth, Figure, Group, Kind, Part};
+use crate::clip::Clip;
 use crate::geometry::plan_of;
+use crate::index::SourceFrame;
 use crate::object::ObjectPose;
+
+/// What is drawn with a body where it is near.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Company<'a> {
+    /// Boxes.
+    pub things: &'a [StripThing],
+    /// Other performers, on the same clock.
+    pub partners: &'a [&'a Clip],
+}
 
 /// A box, and where it is at each frame of a clip.
 #[derive(Clone, Debug, PartialEq)]
@@ -17,6 +28,8 @@ pub struct StripThing {
 
 /// A thing is drawn with a body if it is no farther than an arm's length and a step from it, metres from the nearest side.
 const NEAR: f64 = 1.1;
+/// Partners are drawn with a body if their roots are so near, metres: a hand-over at arm's length.
+const BESIDE: f64 = 1.3;
 /// Edges are rounded so far, metres.
 const ROUNDED: f64 = 0.006;
 
@@ -34,6 +47,43 @@ pub(super) fn groups<'a>(
         let is_near = beyond(away.re, ahead).hypot(beyond(away.im, across)) < NEAR;
         is_near.then(|| Group { kind: Kind::Thing, parts: faces(thing.size, pose), bias: 0.0 })
     })
+}
+
+/// The partners near a body, each with what draws it, at any of the frames.
+pub(super) fn partners<'a>(
+    clip: &Clip,
+    company: &Company<'a>,
+    frames: &[SourceFrame],
+) -> Vec<(&'a Clip, Figure<'a>)> {
+    let comes_near = |partner: &&&Clip| {
+        frames.iter().any(|frame| is_beside(partner, *frame, clip.root_positions[frame.as_usize()]))
+    };
+    company.partners.iter().filter(comes_near).map(|partner| (*partner, Figure::new(partner))).collect()
+}
+
+/// The bodies of partners near `origin` at a frame, in other shirts.
+pub(super) fn partner_groups(partners: &[(&Clip, Figure)], frame: SourceFrame, origin: DVec3) -> Vec<Group> {
+    let near = partners.iter().filter(|(clip, _)| is_beside(clip, frame, origin));
+    let mut groups: Vec<Group> = near
+        .flat_map(|(clip, figure)| {
+            figure.groups(&clip.skeleton.forward_kinematics(&clip.pose(shown(clip, frame))))
+        })
+        .collect();
+    for part in groups.iter_mut().flat_map(|group| &mut group.parts).filter(|part| part.cloth == Cloth::Shirt)
+    {
+        part.cloth = Cloth::PartnerShirt;
+    }
+    groups
+}
+
+fn is_beside(partner: &Clip, frame: SourceFrame, place: DVec3) -> bool {
+    let root = partner.root_positions[shown(partner, frame).as_usize()];
+    (plan_of(root) - plan_of(place)).norm() < BESIDE
+}
+
+/// After its end a clip holds its last pose.
+fn shown(clip: &Clip, frame: SourceFrame) -> SourceFrame {
+    frame.min(SourceFrame::from_usize(clip.frame_count() - 1))
 }
 
 /// The six faces of a box.
