@@ -5,7 +5,7 @@
 use glam::DVec3;
 
 use crate::clip::contacts::FootContacts;
-use crate::full_body::aim::{bend_hint, solve};
+use crate::full_body::aim::{Mobility, solve};
 use crate::full_body::chain::{Chain, EndPose, Place, legs};
 use crate::full_body::fade::{Slopes, Span, fill};
 use crate::full_body::knees::soften;
@@ -50,8 +50,8 @@ pub struct Leg {
     pub planted: [Vec<bool>; 2],
     /// How far it may stretch at each sample, metres.
     reaches: Vec<f64>,
-    /// To which side its knee bends, in the axes of the hip.
-    hint: DVec3,
+    /// To which side its knee bends, and how far its hip.
+    mobility: Mobility,
 }
 
 /// Plans both legs; those that the skeleton lacks are left out.
@@ -73,9 +73,9 @@ fn plan_leg(skeleton: &Skeleton, input: &BodyInput, mode: PlantMode, (side, chai
         }
     };
     let displacements = displacements(&input.times, &track, corrections.as_deref());
-    let hint = bend_hint(track.rest.iter());
+    let mobility = Mobility::of(skeleton, &chain, track.rest.iter());
     let reaches = reaches(&track, corrections.as_deref());
-    Leg { chain, track, displacements, bound, planted, reaches, hint }
+    Leg { chain, track, displacements, bound, planted, reaches, mobility }
 }
 
 /// Displacements of the foot in its plants; none elsewhere.
@@ -167,7 +167,7 @@ impl Leg {
                 let towards = (target.position - place.limb.upper).normalize_or_zero();
                 target.position = place.limb.upper + towards * goal;
             }
-            solve(&self.chain, skeleton, pose, (&place, &target), self.hint);
+            solve(&self.chain, skeleton, pose, (&place, &target), &self.mobility);
         }
     }
 
