@@ -1,7 +1,7 @@
 //! How far the joints of a limb turn: knees and elbows fold so far, thighs and upper arms stay in wide cones.
 //!
-//! The limits are those of supple people, so that hardly any capture goes beyond; where one does, it is the limit itself.
-//! Legs and arms that are brought somewhere stop there, and what is missing is told as a shortfall.
+//! The limits are those of supple people: walks, runs, leaps and dances as captured stay within. Where a capture goes beyond, it
+//! is the limit itself. Legs and arms that are brought somewhere stop there, and what is missing is told as a shortfall.
 //!
 //! Source: ranges of motion after Norkin & White, *Measurement of Joint Motion*, 5th ed., 2016, appendix, widened.
 

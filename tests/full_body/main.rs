@@ -20,7 +20,7 @@ use cotillion::full_body::{BodyInput, Effector, FootPlant, PlantMode, Refined, T
 use cotillion::skeleton::{Pose, Skeleton};
 use glam::DVec3;
 use libtest_mimic::{Arguments, Failed, Trial};
-use measure::{below_ground, bone_change, knee_acceleration, largest_change, slide};
+use measure::{below_ground, beyond_limits, bone_change, knee_acceleration, largest_change, slide};
 use tear::{Strides, factors, is_torn};
 
 /// Bent by 90° to either side, stretched by ±30 %, and both.
@@ -289,6 +289,10 @@ fn stays_untouched(folder: &Path, file: &str) -> Result<(), Failed> {
     let result = refined(&stretch, stretch.rest, PlantMode::AsCaptured);
     if result.poses != stretch.rest {
         return Err("some bits change".into());
+    }
+    let beyond = beyond_limits(walk.skeleton(), stretch.rest);
+    if beyond > 0.0 {
+        return Err(format!("limits are {beyond} rad narrower than the capture").into());
     }
     // A place and a turn change nothing either, but for rounding.
     let placed = bend::placed(stretch.rest, 0.7);
