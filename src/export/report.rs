@@ -13,7 +13,7 @@ use crate::metrics::foot_slide_at;
 use crate::object_motion::{AtRest, ObjectMotion, Owner, Performance, object_motions, skeleton_of};
 use crate::reach::{Miss, REACHED, Stage, carry_residuals, effector_residuals};
 use crate::resample::{Resampled, shown_contacts_at, time_of};
-use crate::residual::{MomentTime, Residual, largest, moment_times, residuals};
+use crate::residual::{MomentTime, Residual, largest, moment_times, residuals_of};
 use crate::scene::{Performed, Scene};
 use crate::skeleton::Pose;
 
@@ -195,7 +195,7 @@ pub struct Timing {
 /// Reports on an edit; files and times are filled in where files are written and clocks are read.
 pub fn report(embodied: &Embodied<'_>, edit: &Edit, resampled: &Resampled) -> Report {
     let scene = embodied.moved.scene;
-    let constraints = scene.constraints.iter().zip(residuals(scene, edit));
+    let constraints = scene.constraints.iter().zip(residuals_of(scene, edit, embodied));
     let moved = Moved { scene, characters: &edit.characters };
     let objects = object_motions(scene, &moved);
     let stage = Stage { scene, performance: &moved, objects: &objects };
