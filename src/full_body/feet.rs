@@ -135,7 +135,7 @@ impl Leg {
     /// What the leg asks of the place of its hip at sample `at`.
     pub fn demand(&self, at: usize) -> Demand {
         let reach = if self.bound[at] { self.reaches[at] } else { self.swing_reach(at) };
-        Demand { hip: self.track.moved[at].limb.upper, ankle: self.target(at).position, reach }
+        Demand { hip: self.track.moved[at].limb.upper, ankle: self.target(at).position, reach, fold: 0.0 }
     }
 
     /// How far the leg may stretch while its foot is free, metres: as captured as long as the foot is not displaced far, but

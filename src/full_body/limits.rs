@@ -18,9 +18,9 @@ pub const MOST_BENT: f64 = 2.705;
 /// not tilted here, would take the most) to 170° forwards.
 const THIGH: (f64, f64) = (0.873, 2.094);
 
-/// Upper arms stay this near to an axis level between ahead and outwards, radians: 130°. Only what is behind the back and
-/// beyond the other side is out of it.
-const UPPER_ARM: f64 = 2.269;
+/// Upper arms stay this near to an axis level between ahead and outwards, radians: 150°. Only straight backwards and inwards,
+/// through the own back, is out of it.
+const UPPER_ARM: f64 = 2.618;
 
 /// Nearer than this to upright a rest pose tells ahead from down, cosine of 60°.
 const UPRIGHT: f64 = 0.5;
