@@ -5,9 +5,11 @@ use std::fs;
 use std::path::Path;
 use std::process::{Command, Output};
 
+use cotillion::clip::Clip;
 use cotillion::clip::builtin::generate;
 use cotillion::clip::read::{Capture, ReadOptions, Up, read};
-use cotillion::export::picture::{StripOptions, StripView, clip_svg, strip_svg, to_png};
+use cotillion::export::picture::{Company, StripOptions, StripThing, StripView, clip_svg, strip_svg, to_png};
+use cotillion::object::ObjectPose;
 use serde_json::Value;
 
 fn cotillion(arguments: &[&str]) -> Output {
@@ -66,7 +68,7 @@ fn every_clip_has_pictures_however_odd_it_is() {
             .clip;
         assert_sound(&clip_svg(&clip));
         for view in VIEWS {
-            assert_sound(&strip_svg(&clip, &StripOptions { poses: 5, view }));
+            assert_sound(&strip_svg(&clip, &Company::default(), &StripOptions { poses: 5, view }));
         }
     }
 }
@@ -77,8 +79,8 @@ fn equal_clips_have_equal_pictures() {
     assert_eq!(clip_svg(&walk()), clip_svg(&walk()));
     for view in VIEWS {
         let options = StripOptions { poses: 7, view };
-        let svg = strip_svg(&walk(), &options);
-        assert_eq!(svg, strip_svg(&walk(), &options));
+        let svg = strip_svg(&walk(), &Company::default(), &options);
+        assert_eq!(svg, strip_svg(&walk(), &Company::default(), &options));
         assert_eq!(svg.matches("<title>frame ").count(), 7);
     }
 }
@@ -86,7 +88,7 @@ fn equal_clips_have_equal_pictures() {
 #[test]
 fn a_strip_names_the_events_it_shows() {
     let slap = generate("slap", &BTreeMap::new()).expect("a generated clip");
-    let svg = strip_svg(&slap, &StripOptions::default());
+    let svg = strip_svg(&slap, &Company::default(), &StripOptions::default());
     assert!(svg.contains(">hit</text>"));
     assert!(svg.contains(&format!(">{}</text>", slap.events["hit"].0)));
     assert!(clip_svg(&slap).contains(">hit</text>"));
@@ -269,4 +271,28 @@ fn a_run_writes_bvh_files_as_asked() {
     let refused = home.path().join("refused");
     let output = cotillion(&["run", text(&scene), "-o", text(&refused), "--bvh-unit", "-1"]);
     assert_eq!((output.status.code(), refused.exists()), (Some(2), false));
+}
+
+#[test]
+fn boxes_and_partners_are_drawn_with_who_is_near_them() {
+    let clip = generate("walk", &BTreeMap::new()).expect("a generated clip");
+    let poses = |svg: &str| svg.matches("<title>frame").count();
+    let parts = |svg: &str| svg.matches("<linearGradient").count();
+    let with = |ahead: f64, partners: &[&Clip]| {
+        let at = clip.root_positions[0].with_y(0.0) + glam::DVec3::new(0.0, 0.0, ahead);
+        let thing = StripThing { size: [0.3; 3], poses: vec![ObjectPose { position: at, facing: 0.0 }] };
+        strip_svg(&clip, &Company { things: &[thing], partners }, &StripOptions::default())
+    };
+    let alone = strip_svg(&clip, &Company::default(), &StripOptions::default());
+    assert_eq!(with(1000.0, &[]), alone);
+    let near = with(0.5, &[]);
+    assert_sound(&near);
+    let more = parts(&near) - parts(&alone);
+    assert!(
+        more > 0 && more.is_multiple_of(6) && more < 6 * poses(&alone),
+        "six faces where it is near: {more}"
+    );
+    let accompanied = with(1000.0, &[&clip]);
+    assert_sound(&accompanied);
+    assert_eq!(parts(&accompanied), 2 * parts(&alone));
 }

@@ -172,7 +172,7 @@ fn touches_are_exact_and_in_the_order_of_the_story() {
     let stage = Stage { scene: &scene, performance: &embodied.moved, objects: &objects };
     assert_eq!(scene.end_effectors.len(), 4);
     for (touch, miss) in scene.end_effectors.iter().zip(effector_residuals(&stage, &embodied)) {
-        assert!(miss < REACHED, "{}: {miss}", touch.name);
+        assert!(miss.metres < REACHED, "{}: {}", touch.name, miss.metres);
     }
     let joint = |moment: &Moment, joint: JointId| {
         let (who, time) = (moment.character, moment_time(&scene, &embodied, moment));

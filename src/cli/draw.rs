@@ -5,7 +5,9 @@ use std::path::{Path, PathBuf};
 use clap::{Args, ValueEnum};
 use cotillion::clip::Clip;
 use cotillion::export::files::file_names;
-use cotillion::export::picture::{PictureError, StripOptions, StripView, clip_svg, strip_svg, to_png};
+use cotillion::export::picture::{
+    Company, PictureError, StripOptions, StripView, clip_svg, strip_svg, to_png,
+};
 use rayon::prelude::*;
 
 use super::Failure;
@@ -63,7 +65,7 @@ pub(super) fn draw(output: &Output, args: &DrawArgs, clips: &[Clip]) -> Result<(
     }
     if let Some(path) = &args.strip {
         let options = StripOptions { poses: usize::from(args.poses), view: args.view.into() };
-        write(output, path, (clips, "strip"), |clip| strip_svg(clip, &options))?;
+        write(output, path, (clips, "strip"), |clip| strip_svg(clip, &Company::default(), &options))?;
     }
     Ok(())
 }

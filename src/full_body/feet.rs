@@ -5,7 +5,7 @@
 use glam::DVec3;
 
 use crate::clip::contacts::Contacts;
-use crate::full_body::aim::{bend_hint, solve};
+use crate::full_body::aim::{Mobility, solve};
 use crate::full_body::chain::{Chain, EndPose, Place, bearing_arms, legs};
 use crate::full_body::fade::{Slopes, Span, fill};
 use crate::full_body::knees::soften;
@@ -52,8 +52,8 @@ pub struct Leg {
     pub planted: [Vec<bool>; 2],
     /// How far it may stretch at each sample, metres.
     reaches: Vec<f64>,
-    /// To which side its knee bends, in the axes of the hip.
-    hint: DVec3,
+    /// To which side its knee bends, and how far its hip.
+    mobility: Mobility,
 }
 
 /// Plans both legs, then the arms whose hands bear; those that the skeleton lacks are left out.
@@ -78,9 +78,9 @@ fn plan_leg(skeleton: &Skeleton, input: &BodyInput, mode: PlantMode, (chain, sol
         }
     };
     let displacements = displacements(&input.times, &track, corrections.as_deref());
-    let hint = bend_hint(track.rest.iter());
+    let mobility = Mobility::of(skeleton, &chain, track.rest.iter());
     let reaches = reaches(&track, corrections.as_deref());
-    Leg { chain, soles, track, displacements, bound, planted, reaches, hint }
+    Leg { chain, soles, track, displacements, bound, planted, reaches, mobility }
 }
 
 /// Displacements of the foot in its plants; none elsewhere.
@@ -145,7 +145,7 @@ impl Leg {
     /// What the leg asks of the place of its hip at sample `at`.
     pub fn demand(&self, at: usize) -> Demand {
         let reach = if self.bound[at] { self.reaches[at] } else { self.swing_reach(at) };
-        Demand { hip: self.track.moved[at].limb.upper, ankle: self.target(at).position, reach }
+        Demand { hip: self.track.moved[at].limb.upper, ankle: self.target(at).position, reach, fold: 0.0 }
     }
 
     /// How far the leg may stretch while its foot is free, metres: as captured as long as the foot is not displaced far, but
@@ -180,7 +180,7 @@ impl Leg {
                 let towards = (target.position - place.limb.upper).normalize_or_zero();
                 target.position = place.limb.upper + towards * goal;
             }
-            solve(&self.chain, skeleton, pose, (&place, &target), self.hint);
+            solve(&self.chain, skeleton, pose, (&place, &target), &self.mobility);
         }
     }
 

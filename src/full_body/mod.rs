@@ -11,6 +11,7 @@
 pub mod displacement;
 pub mod smooth;
 pub mod chain;
+pub mod limits;
 pub mod aim;
 pub mod fade;
 pub mod plants;

@@ -2,7 +2,8 @@
 
 use cotillion::clip::Clip;
 use cotillion::clip::contacts::{ContactPoint, Contacts, contact_point};
-use cotillion::full_body::chain::legs;
+use cotillion::full_body::chain::{arms, legs};
+use cotillion::full_body::limits::{Cone, MOST_BENT};
 use cotillion::full_body::smooth::largest_acceleration;
 use cotillion::geometry::log;
 use cotillion::metrics::foot_slide;
@@ -76,4 +77,19 @@ pub(crate) fn below_ground(skeleton: &Skeleton, before: &[Pose], after: &[Pose])
         heights.fold(f64::INFINITY, f64::min)
     };
     (lowest(before) - lowest(after)).max(0.0)
+}
+
+/// How far thighs, upper arms, knees and elbows go beyond what limbs are brought to, radians.
+pub(crate) fn beyond_limits(skeleton: &Skeleton, poses: &[Pose]) -> f64 {
+    let beyond = legs(skeleton).into_iter().chain(arms(skeleton)).flatten().flat_map(|limb| {
+        let cone = Cone::of(skeleton, &limb);
+        poses.iter().map(move |pose| {
+            let place = limb.place(skeleton, pose);
+            let above = place.upper_rotation * pose.rotations[limb.upper.as_usize()].inverse();
+            let bone = place.limb.middle - place.limb.upper;
+            let swing = cone.map_or(0.0, |cone| bone.angle_between(above * cone.axis) - cone.angle);
+            swing.max(place.limb.bend() - MOST_BENT)
+        })
+    });
+    beyond.fold(0.0, f64::max)
 }
