@@ -168,8 +168,13 @@ fn stands_within_reach(walk: &Walk, edit: Bend, mode: PlantMode) -> Vec<String> 
     let strides = Strides::of(&stretch, &moved);
     let mut found = Measures::of(&stretch, &result, mode, f64::INFINITY);
     let allowed = |plant: &PlantedPoint| if mode == PlantMode::Pinned { 0.0 } else { plant.captured_drift };
-    let reached = result.report.plants.iter().filter(|plant| strides.reach(plant));
-    found.drift = reached.map(|plant| plant.drift - allowed(plant)).fold(0.0, f64::max);
+    let reached: Vec<_> = result.report.plants.iter().filter(|plant| strides.reach(plant)).collect();
+    found.drift = reached.iter().map(|plant| plant.drift - allowed(plant)).fold(0.0, f64::max);
+    if mode == PlantMode::AsCaptured {
+        let holds = |plant: &PlantedPoint, frame: usize| (plant.first..=plant.last).contains(&frame);
+        let counts = |point, frame| reached.iter().any(|plant| plant.point == point && holds(plant, frame));
+        found.height = height_change(&stretch, &result.poses, counts);
+    }
     let too_long = strides.are_too_long();
     tell(&format!(
         "{} torn, {}: {:?}, feet beyond reach: {too_long}",
@@ -235,7 +240,7 @@ impl Measures {
         Self {
             drift: drifts.fold(0.0, f64::max),
             height: match mode {
-                PlantMode::AsCaptured => height_change(skeleton, stretch, &result.poses),
+                PlantMode::AsCaptured => height_change(stretch, &result.poses, |_, _| true),
                 PlantMode::Pinned => 0.0,
             },
             slide: slide(&result.poses) - slide(stretch.rest),

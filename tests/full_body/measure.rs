@@ -27,12 +27,19 @@ pub(crate) fn slide(skeleton: &Skeleton, poses: &[Pose], contacts: &[Contacts]) 
     foot_slide(&clip, contacts).unwrap_or(0.0)
 }
 
-/// Largest change of the height of a point of a foot or a hand while it bears, metres.
-pub(crate) fn height_change(skeleton: &Skeleton, stretch: &Stretch<'_>, after: &[Pose]) -> f64 {
+/// Largest change of the height of a point of a foot or a hand while it bears and `counts` it at that frame, metres.
+pub(crate) fn height_change(
+    stretch: &Stretch<'_>,
+    after: &[Pose],
+    counts: impl Fn(ContactPoint, usize) -> bool,
+) -> f64 {
+    let skeleton = stretch.walk.skeleton();
     let mut largest = 0.0_f64;
-    for ((before, after), contact) in stretch.rest.iter().zip(after).zip(stretch.contacts) {
+    for (frame, (before, after)) in stretch.rest.iter().zip(after).enumerate() {
+        let contact = stretch.contacts[frame];
         let (before, after) = (skeleton.forward_kinematics(before), skeleton.forward_kinematics(after));
-        for point in ContactPoint::ALL.into_iter().filter(|point| contact.at(*point)) {
+        let bearing = ContactPoint::ALL.into_iter().filter(|point| contact.at(*point));
+        for point in bearing.filter(|point| counts(*point, frame)) {
             let Some(at) = contact_point(skeleton, point) else { continue };
             largest = largest.max((at.place(&before).y - at.place(&after).y).abs());
         }
