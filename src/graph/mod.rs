@@ -21,6 +21,9 @@ pub mod facts;
 mod matrix;
 pub mod reach;
 mod search;
+pub mod stored;
+#[cfg(test)]
+mod tests;
 mod thinning;
 
 use std::sync::Arc;
@@ -29,7 +32,7 @@ use rayon::prelude::*;
 
 use self::contact::Contacts;
 use self::matrix::Factors;
-use self::search::{Block, Side};
+use self::search::{Block, Side, TILE};
 use crate::clip::working::WorkingClip;
 use crate::index::{FrameIndex, GraphFrame};
 use crate::similarity::{Admissible, Features, admissible, features, mean_rotations};
@@ -54,7 +57,8 @@ impl Default for GraphSettings {
 /// Which local maxima of similarity are kept.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Maxima {
-    /// At least as alike as the six neighbours off their own diagonal; along a diagonal and those next to it one in five frames.
+    /// At least as alike as the six neighbours off their own diagonal; of those within five frames along a
+    /// diagonal and those next to it, the most alike.
     #[default]
     Ridge,
     /// At least as alike as all eight neighbours: the published rule.
@@ -184,6 +188,7 @@ pub fn search(material: &Material, settings: &GraphSettings) -> MotionGraph {
                 is_diagonal: a == b,
                 largest_sq: largest * largest,
                 settings: *settings,
+                tile: TILE,
             };
             block.pairs().into_iter().map(|pair| FramePair::of(&pair, clips[a].first, clips[b].first)).collect()
         })
