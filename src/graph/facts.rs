@@ -29,7 +29,7 @@ pub fn transition_facts(graph: &MotionGraph, clip: usize, working: &WorkingClip)
     let (all_pairs, pairs) = own_pairs(graph, clip);
     let moves = moving(working);
     let (walking, idle): (Vec<&Own>, Vec<&Own>) = pairs.iter().partition(|pair| moves[pair.i] && moves[pair.j]);
-    let gait = gait(&working.contacts);
+    let gait = gait(&working.contacts, &moves);
     let phases: Vec<f64> = walking.iter().filter_map(|pair| gait.apart(pair.i, pair.j)).collect();
     let same = phases.iter().filter(|apart| **apart < SAME_PHASE).count();
     let frames = working.frame_count();
