@@ -22,7 +22,10 @@ fn clips(frames: usize) -> Vec<Arc<WorkingClip>> {
         let golden = (k as f64 * 0.618_033_988_749_895).fract();
         let (name, parameters) = match k % 5 {
             4 => ("idle", vec![("seconds", 5.0 + 5.0 * golden)]),
-            _ => ("walk", vec![("speed", 0.8 + 0.9 * golden), ("turn", 60.0 * golden - 30.0), ("seconds", 20.0)]),
+            _ => (
+                "walk",
+                vec![("speed", 0.8 + 0.9 * golden), ("turn", 60.0 * golden - 30.0), ("seconds", 20.0)],
+            ),
         };
         let parameters: BTreeMap<String, f64> =
             parameters.into_iter().map(|(name, value)| (name.to_owned(), value)).collect();

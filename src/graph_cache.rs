@@ -144,6 +144,9 @@ mod tests {
         let file = home.path().join("file");
         fs::write(&file, "x").expect("a file");
         let (graph, notes) = cached_graph(&walk(4.0), &GraphSettings::default(), Some(&file));
-        assert!(!graph.similar.is_empty() && matches!(notes.last(), Some(CacheNote::NotStored(_))), "{notes:?}");
+        assert!(
+            !graph.similar.is_empty() && matches!(notes.last(), Some(CacheNote::NotStored(_))),
+            "{notes:?}"
+        );
     }
 }

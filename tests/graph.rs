@@ -155,7 +155,8 @@ fn large(folder: &Path) -> Result<(), Failed> {
     let status = fs::read_to_string("/proc/self/status")?;
     let peak = status.lines().find_map(|line| line.strip_prefix("VmHWM:")?.trim().strip_suffix(" kB"));
     let peak: u64 = peak.ok_or("the system tells the peak of memory")?.trim().parse()?;
-    let told = format!("{} frames, {} pairs, {} MB", graph.frame_count(), graph.similar.len() / 2, peak / 1024);
+    let told =
+        format!("{} frames, {} pairs, {} MB", graph.frame_count(), graph.similar.len() / 2, peak / 1024);
     fs::write(Path::new(env!("CARGO_TARGET_TMPDIR")).join("large_graph.txt"), &told)?;
     let holds = graph.frame_count() >= LARGE && peak < MOST_MEMORY;
     if holds { Ok(()) } else { Err(told.into()) }

@@ -176,7 +176,10 @@ fn transitions_are_told_drawn_and_kept_unless_forbidden() {
     let second = inspect(&["--cache", text(&cache)]);
     assert_eq!(first.stdout, second.stdout);
     let (noted, silent) = (said(&second.stderr), said(&inspect(&["--cache", text(&cache)]).stderr));
-    assert!(noted.starts_with("note: ") && noted.contains("discarded") && silent.is_empty(), "{noted} {silent}");
+    assert!(
+        noted.starts_with("note: ") && noted.contains("discarded") && silent.is_empty(),
+        "{noted} {silent}"
+    );
 }
 
 #[test]

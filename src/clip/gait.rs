@@ -55,8 +55,8 @@ fn cycles(strikes: &[usize], other: &[usize]) -> Vec<(usize, usize)> {
 fn phases(cycles: &[(usize, usize)], frames: usize) -> Vec<Option<f64>> {
     let mut phases = vec![None; frames];
     for (from, to) in cycles {
-        for frame in *from..*to {
-            phases[frame] = Some((frame - from) as f64 / (to - from) as f64);
+        for (passed, phase) in phases[*from..*to].iter_mut().enumerate() {
+            *phase = Some(passed as f64 / (to - from) as f64);
         }
     }
     phases
@@ -80,7 +80,8 @@ impl Gait {
 /// How far the left ankle is ahead of the right one along the heading at each working frame, metres; `None` without ankles.
 pub fn feet_apart(clip: &WorkingClip) -> Option<Vec<f64>> {
     let skeleton = &clip.clip.skeleton;
-    let (left, right) = (foot_point(skeleton, FootPoint::LeftHeel)?, foot_point(skeleton, FootPoint::RightHeel)?);
+    let (left, right) =
+        (foot_point(skeleton, FootPoint::LeftHeel)?, foot_point(skeleton, FootPoint::RightHeel)?);
     let apart = |frame: usize| {
         let frames = skeleton.forward_kinematics(&clip.pose(frame as f64));
         let place = |point: &BodyPoint| plan_of(point.place(&frames));
@@ -109,7 +110,10 @@ mod tests {
     fn a_cycle_lasts_from_strike_to_strike() {
         let gait = gait(&steps(100), &[true; 100]);
         assert_eq!(gait.cycle, Some(30));
-        assert_eq!((gait.left[4], gait.left[5], gait.left[20], gait.left[95]), (None, Some(0.0), Some(0.5), None));
+        assert_eq!(
+            (gait.left[4], gait.left[5], gait.left[20], gait.left[95]),
+            (None, Some(0.0), Some(0.5), None)
+        );
         assert_eq!(gait.apart(10, 40), Some(0.0));
         assert_eq!(gait.apart(10, 55), Some(0.5));
         assert_eq!(gait.apart(0, 10), None);

@@ -75,7 +75,8 @@ fn by_the_book(block: &Block) -> Vec<(usize, usize)> {
 /// Frames with few values, so that many distances are equal; or with any.
 fn frames() -> impl Strategy<Value = Vec<[f64; 3]>> {
     let of_few = prop::collection::vec([0..3_i32, 0..3, 0..2].prop_map(|v| v.map(f64::from)), 12..40);
-    let wave = (8_usize..20, 0.0..0.3_f64, prop::collection::vec([-1.0..1.0_f64, -1.0..1.0, -1.0..1.0], 12..60));
+    let wave =
+        (8_usize..20, 0.0..0.3_f64, prop::collection::vec([-1.0..1.0_f64, -1.0..1.0, -1.0..1.0], 12..60));
     let of_any = wave.prop_map(|(period, noise, values)| {
         let phase = |k: usize| 2.0 * PI * k as f64 / period as f64;
         values
@@ -199,7 +200,8 @@ fn a_periodic_clip_goes_on_only_after_whole_cycles() {
 
 #[test]
 fn similar_frames_are_sorted_mutual_and_near() {
-    let clips = [working("walk", &[("start", 1.0)]), working("idle", &[]), working("walk", &[("speed", 1.3)])];
+    let clips =
+        [working("walk", &[("start", 1.0)]), working("idle", &[]), working("walk", &[("speed", 1.3)])];
     let graph = motion_graph(&clips, &GraphSettings::default());
     assert_eq!((graph.bodies.len(), graph.frame_count()), (1, clips.iter().map(|c| c.frame_count()).sum()));
     let mut across = 0;

@@ -55,7 +55,7 @@ impl Thinning {
             self.states[(pair.row - self.base) * self.columns + pair.column] = State::Free;
         }
         open.extend(pairs);
-        open.sort_unstable_by(|a, b| key(a).cmp(&key(b)));
+        open.sort_unstable_by_key(key);
         for pair in open {
             let known = is_last || pair.row + REACH < end;
             let state = match self.strongest_neighbour(&pair) {
@@ -82,7 +82,8 @@ impl Thinning {
     fn strongest_neighbour(&self, pair: &Pair) -> State {
         let mut found = State::Free;
         for (down, right) in excluded() {
-            let place = (pair.row - self.base).checked_add_signed(down).zip(pair.column.checked_add_signed(right));
+            let place =
+                (pair.row - self.base).checked_add_signed(down).zip(pair.column.checked_add_signed(right));
             let Some((row, column)) = place.filter(|(_, column)| *column < self.columns) else { continue };
             match self.states.get(row * self.columns + column) {
                 Some(State::Accepted) => return State::Accepted,
@@ -104,7 +105,11 @@ fn excluded() -> impl Iterator<Item = (isize, isize)> {
 
 /// Order in which pairs are visited.
 fn key(pair: &Pair) -> (u64, usize, usize) {
-    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "distances are small and not negative")]
+    #[expect(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "distances are small and not negative"
+    )]
     let steps = (pair.distance / EQUAL).round() as u64;
     (steps, pair.row, pair.column)
 }

@@ -7,9 +7,9 @@ use rayon::prelude::*;
 use super::axis::{mark_label, marks, round_step};
 use super::sheet_document;
 use super::svg::{GREY, INK, Rect, Sheet, TextStyle, clipped, number, tinted};
+use crate::clip::contacts::{FootContacts, runs};
 use crate::clip::working::{WORKING_STEP, WorkingClip};
 use crate::export::palette::colour;
-use crate::clip::contacts::{FootContacts, runs};
 use crate::graph::MotionGraph;
 use crate::graph::facts::EDITABLE;
 use crate::similarity::{Admissible, Features, features, mean_rotations};
@@ -26,8 +26,13 @@ const LEVELS: usize = 20;
 /// Distances up to so many times the largest of similar frames are told apart.
 const SHOWN: f64 = 4.0;
 /// Colours from the most alike to the least, sRGB.
-const RAMP: [[f64; 3]; 5] =
-    [[20.0, 30.0, 80.0], [40.0, 90.0, 160.0], [110.0, 170.0, 200.0], [200.0, 220.0, 225.0], [250.0, 250.0, 250.0]];
+const RAMP: [[f64; 3]; 5] = [
+    [20.0, 30.0, 80.0],
+    [40.0, 90.0, 160.0],
+    [110.0, 170.0, 200.0],
+    [200.0, 220.0, 225.0],
+    [250.0, 250.0, 250.0],
+];
 /// Colours of pairs that edits may use, and of longer ones.
 const CHOSEN: &str = "#d7301f";
 const LONGER: &str = "#f4a582";
@@ -104,7 +109,8 @@ fn draw_pairs(sheet: &mut Sheet, graph: &MotionGraph, clip: usize, frame: f64) -
     }
     let radius = (0.9 * frame).clamp(1.4, 3.6);
     let mut kept = (0, 0);
-    for (i, j, _) in graph.pairs().filter(|(i, j, _)| graph.place(*i).0 == clip && graph.place(*j).0 == clip) {
+    for (i, j, _) in graph.pairs().filter(|(i, j, _)| graph.place(*i).0 == clip && graph.place(*j).0 == clip)
+    {
         let first = graph.clips[clip].first.as_usize();
         let (i, j) = (i.as_usize() - first, j.as_usize() - first);
         let is_editable = EDITABLE.contains(&(j - i));
@@ -175,7 +181,8 @@ fn draw_legend(sheet: &mut Sheet, body: &Admissible, (editable, longer): (usize,
         mark(median, &format!("{median:.2}: median, moving"));
     }
     let y = top + height + 34.0;
-    let lines = [(CHOSEN, format!("{editable} pairs, 0.3 to 2 s")), (LONGER, format!("{longer} pairs, longer"))];
+    let lines =
+        [(CHOSEN, format!("{editable} pairs, 0.3 to 2 s")), (LONGER, format!("{longer} pairs, longer"))];
     for (row, (fill, text)) in lines.iter().enumerate() {
         let y = y + 20.0 * row as f64;
         sheet.circle([x + 8.0, y - 4.0], 3.6, &format!(r#"fill="{fill}""#));
@@ -183,7 +190,10 @@ fn draw_legend(sheet: &mut Sheet, body: &Admissible, (editable, longer): (usize,
     }
     for (foot, name) in ["left foot bears", "right foot bears"].into_iter().enumerate() {
         let y = y + 50.0 + 20.0 * foot as f64;
-        sheet.rect(Rect { x, y: y - 6.0, w: 18.0, h: 4.0 }, &format!(r#"fill="{}""#, tinted(colour(foot), 0.0)));
+        sheet.rect(
+            Rect { x, y: y - 6.0, w: 18.0, h: 4.0 },
+            &format!(r#"fill="{}""#, tinted(colour(foot), 0.0)),
+        );
         sheet.text([x + 27.0, y], style(GREY), name);
     }
 }
