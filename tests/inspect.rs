@@ -72,7 +72,7 @@ fn every_clip_has_pictures_however_odd_it_is() {
         assert_sound(&clip_svg(&clip));
         let (first, last) = clip.usable;
         let working = Arc::new(WorkingClip::new("odd", Arc::new(clip.clone()), first, last));
-        let graph = motion_graph(&[working.clone()], &GraphSettings::default());
+        let graph = motion_graph(std::slice::from_ref(&working), &GraphSettings::default());
         assert_sound(&graph_svg(&working, &graph, 0));
         assert!(transition_facts(&graph, 0, &working).per_second.is_finite());
         for view in VIEWS {

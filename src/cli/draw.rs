@@ -60,10 +60,17 @@ impl From<ViewChoice> for StripView {
 /// Width of a PNG over that of its SVG: sharp on dense screens.
 const PNG_SCALE: f64 = 1.25;
 
-/// A clip with its motion graph.
+/// A clip with its motion graph, if it is not too long for one.
 pub(super) struct Drawable {
     pub(super) working: Arc<WorkingClip>,
-    pub(super) graph: MotionGraph,
+    pub(super) graph: Option<MotionGraph>,
+}
+
+impl DrawArgs {
+    /// Whether motion graphs are to be drawn.
+    pub(super) fn asks_for_graph(&self) -> bool {
+        self.graph.is_some()
+    }
 }
 
 /// Draws what is asked for of all clips; nothing of none.
@@ -79,7 +86,10 @@ pub(super) fn draw(output: &Output, args: &DrawArgs, clips: &[Drawable]) -> Resu
         write(output, path, (clips, "strip"), |own| strip_svg(&own.working.clip, &options))?;
     }
     if let Some(path) = &args.graph {
-        write(output, path, (clips, "graph"), |own| graph_svg(&own.working, &own.graph, 0))?;
+        write(output, path, (clips, "graph"), |own| {
+            let graph = own.graph.as_ref().expect("who asks for graphs gets errors where there are none");
+            graph_svg(&own.working, graph, 0)
+        })?;
     }
     Ok(())
 }

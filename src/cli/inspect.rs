@@ -65,9 +65,23 @@ fn inspected(
     let (first, last) = read.clip.usable;
     let name = read.clip.name.clone();
     let working = Arc::new(WorkingClip::new(&name, Arc::new(read.clip), first, last));
+    if working.frame_count() > MOST_FRAMES {
+        if args.draw.asks_for_graph() {
+            return Err(too_long(&facts.file, working.frame_count()));
+        }
+        return Ok(Inspected { drawable: Drawable { working, graph: None }, facts, notes: Vec::new() });
+    }
     let (graph, notes) = cached_graph(std::slice::from_ref(&working), &GraphSettings::default(), cache);
     facts.transitions = Some(transition_facts(&graph, 0, &working));
-    Ok(Inspected { drawable: Drawable { working, graph }, facts, notes })
+    Ok(Inspected { drawable: Drawable { working, graph: Some(graph) }, facts, notes })
+}
+
+/// Longer clips are shown without transitions, whose cost is quadratic; working frames, eleven minutes.
+const MOST_FRAMES: usize = 20_000;
+
+fn too_long(file: &str, frames: usize) -> PlainError {
+    let message = format!("{frames} working frames; the motion graph of up to {MOST_FRAMES} is drawn");
+    plain(file, message, Some("choose a part with --frames FIRST..LAST".to_owned()))
 }
 
 /// Lists generated clips, or writes one.

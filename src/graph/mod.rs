@@ -8,8 +8,8 @@
 //!
 //! # Cost
 //! The distance matrix of n frames of one body is a matrix product, `n²/2` entries of about 90 features, in tiles and in
-//! parallel; it is never held. Memory is that of the features and of the pairs that are kept (about 1 kB a frame each, in walks).
-//! Bench `graph` has the times.
+//! parallel; it is never held. Memory is 2 kB a frame for features, and 40 bytes for each pair that is kept, of which there are
+//! about n²/400 in steady walks and n²/100 where somebody stands all the time. Bench `graph` has the times.
 //!
 //! Source: Kim et al. 2009, §5.1, after Lee et al., *Interactive Control of Avatars Animated with Human Motion Data*, SIGGRAPH
 //! 2002 (contact agreement, local maxima) and Lee & Lee, *Precomputing Avatar Behavior from Human Motion Data*, 2006 (features).
@@ -20,6 +20,7 @@ mod contact;
 pub mod facts;
 mod matrix;
 pub mod reach;
+pub mod scene;
 mod search;
 pub mod stored;
 #[cfg(test)]
