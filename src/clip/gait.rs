@@ -132,7 +132,7 @@ mod tests {
     #[test]
     fn rests_and_stutters_have_no_phase() {
         let mut contacts = steps(100);
-        for contact in &mut contacts[30..] {
+        for contact in &mut contacts[8..] {
             *contact = FootContacts { left_heel: true, right_toe: true, ..FootContacts::default() };
         }
         contacts[33].left_heel = false;

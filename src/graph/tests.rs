@@ -151,8 +151,8 @@ proptest! {
         let moved = WorkingClip::new("moved", Arc::new(clip), first, last);
         let mean = mean_rotations(&[&walk]);
         let (at_home, elsewhere) = (features(&walk, &mean), features(&moved, &mean));
-        for i in 0..walk.frame_count() {
-            for j in 0..walk.frame_count() {
+        for i in (0..walk.frame_count()).step_by(7) {
+            for j in (0..walk.frame_count()).step_by(3) {
                 let expected = at_home.distance(i, &at_home, j);
                 prop_assert!((elsewhere.distance(i, &at_home, j) - expected).abs() < ROUNDING);
                 prop_assert!((elsewhere.distance(i, &elsewhere, j) - expected).abs() < ROUNDING);
