@@ -79,9 +79,10 @@ fn draw_distances(sheet: &mut Sheet, working: &WorkingClip, largest: f64) {
         for (row, levels) in rows.iter().enumerate() {
             let own: Vec<bool> = levels.iter().map(|level| *level == shade).collect();
             for (first, last) in runs(&own) {
-                let (x, y) = (number(PLACE.x + first as f64 * size), number(PLACE.y + row as f64 * size));
-                let (w, h) = (number((last + 1 - first) as f64 * size), number(size));
-                let _ = write!(path, "M{x} {y}h{w}v{h}h-{w}z");
+                // Edges by their own places, not by lengths: neighbours round them alike.
+                let [left, right] = [first, last + 1].map(|cell| number(PLACE.x + cell as f64 * size));
+                let [top, bottom] = [row, row + 1].map(|cell| number(PLACE.y + cell as f64 * size));
+                let _ = write!(path, "M{left} {top}H{right}V{bottom}H{left}z");
             }
         }
         if !path.is_empty() {
