@@ -8,7 +8,7 @@ use std::sync::Arc;
 use rayon::prelude::*;
 
 use crate::clip::Clip;
-use crate::clip::contacts::FootContacts;
+use crate::clip::contacts::Contacts;
 use crate::clip::working::WORKING_STEP;
 use crate::edit::moved::snap;
 use crate::edit::{Edit, EditedCharacter};
@@ -87,7 +87,7 @@ pub struct RestClip {
     /// From the first frame of the track to its last.
     pub clip: Clip,
     /// One a frame.
-    pub contacts: Vec<FootContacts>,
+    pub contacts: Vec<Contacts>,
 }
 
 /// Samples a track before the edit at `fps`.
@@ -109,7 +109,7 @@ pub fn shown_contacts(
     track: &Track,
     edited: &EditedCharacter,
     count: usize,
-) -> Vec<FootContacts> {
+) -> Vec<Contacts> {
     let last = track.frame_count() as f64 - 1.0;
     let known = track.collect(|clip, frame, _| clip.contacts[frame]);
     let shown = |k: usize| frame_at(&edited.times, last, start_time + k as f64 / fps);
@@ -117,12 +117,12 @@ pub fn shown_contacts(
 }
 
 /// Contacts of the feet at fractional frames of a track: those of the nearer working frame.
-pub fn shown_contacts_at(track: &Track, frames: &[f64]) -> Vec<FootContacts> {
+pub fn shown_contacts_at(track: &Track, frames: &[f64]) -> Vec<Contacts> {
     let known = track.collect(|clip, frame, _| clip.contacts[frame]);
     frames.iter().map(|frame| nearest(&known, *frame)).collect()
 }
 
-fn nearest(contacts: &[FootContacts], frame: f64) -> FootContacts {
+fn nearest(contacts: &[Contacts], frame: f64) -> Contacts {
     contacts[floor_index(frame.round()).min(contacts.len() - 1)]
 }
 

@@ -62,3 +62,13 @@ fn rows_that_cannot_be_factored_name_the_contradiction() {
          [[pin]]\nduring = [\"a:start\", \"a:end\"]\nfacing = 149.68068769491788\nstrength = \"hard\"\n",
     );
 }
+
+#[test]
+fn who_stands_perfectly_still_before_a_jump_does_not_turn_freely_there() {
+    same_by_both(
+        "[clips]\nwalk = { builtin = \"walk\", start = 1, stop = 1, seconds = 2.5 }\njump = \"builtin:jump_over\"\n\
+         [[character]]\nname = \"a\"\ntrack = [\"walk\", \"jump\", \"walk\"]\nposition = [8.7, 2.0]\nfacing = -130\n\
+         [[pin]]\nat = \"a/jump:takeoff\"\nposition = [7.4, 0.6]\nfacing = -130\nstrength = \"hard\"\n\
+         [[pin]]\nat = \"a:start\"\nposition = [9.0, 2.0]\n",
+    );
+}

@@ -3,7 +3,7 @@
 use glam::DVec3;
 
 use crate::clip::Clip;
-use crate::clip::contacts::{FootContacts, FootPoint, foot_point, percentile, runs};
+use crate::clip::contacts::{ContactPoint, Contacts, contact_point, percentile, runs};
 use crate::clip::flight::{fitted_gravity, mean_heights};
 use crate::clip::note::ReadNote;
 use crate::clip::roles::is_helper;
@@ -18,11 +18,11 @@ pub const PATH_STEP: f64 = 0.1;
 /// Mean horizontal speed of the points of the feet while they are in contact, m/s; `None` without any contact.
 ///
 /// `contacts`: one for each frame of `clip`. A step between two frames counts for a point that is in contact at both.
-pub fn foot_slide(clip: &Clip, contacts: &[FootContacts]) -> Option<f64> {
+pub fn foot_slide(clip: &Clip, contacts: &[Contacts]) -> Option<f64> {
     debug_assert_eq!(contacts.len(), clip.frame_count(), "one contact label a frame");
-    let points: Vec<_> = FootPoint::ALL
+    let points: Vec<_> = ContactPoint::FEET
         .into_iter()
-        .filter_map(|point| Some((point, foot_point(&clip.skeleton, point)?)))
+        .filter_map(|point| Some((point, contact_point(&clip.skeleton, point)?)))
         .collect();
     let (mut length, mut steps) = (0.0, 0_u32);
     let mut before: Option<Vec<DVec3>> = None;
@@ -139,7 +139,7 @@ mod tests {
     #[test]
     fn a_foot_slides_only_while_in_contact() {
         let clip = sliding();
-        let mut contacts = vec![FootContacts::default(); 61];
+        let mut contacts = vec![Contacts::default(); 61];
         assert_eq!(foot_slide(&clip, &contacts), None);
         for contact in &mut contacts[10..20] {
             contact.left_heel = true;

@@ -32,7 +32,7 @@ use std::sync::Arc;
 
 use rayon::prelude::*;
 
-use self::contact::Contacts;
+use self::contact::Feet;
 use self::matrix::Factors;
 use self::search::{Block, Side, TILE};
 use crate::clip::working::WorkingClip;
@@ -167,7 +167,7 @@ pub fn material(clips: &[Arc<WorkingClip>]) -> Material {
     let side = |(features, clip): (Features, &Arc<WorkingClip>)| Side {
         factors: Factors::new(&features),
         features,
-        contacts: Contacts::new(&clip.contacts),
+        feet: Feet::new(&clip.contacts),
     };
     Material { sides: all.into_iter().zip(clips).map(side).collect(), bodies, admissible }
 }
@@ -225,7 +225,7 @@ fn graph_clips(material: &Material) -> Vec<GraphClip> {
     let sides = material.sides.iter().zip(&material.bodies);
     sides
         .map(|(side, body)| {
-            let frames = side.contacts.0.len();
+            let frames = side.feet.0.len();
             let clip = GraphClip { first: GraphFrame::from_usize(first), frames, body: *body };
             first += frames;
             clip

@@ -8,7 +8,7 @@ use proptest::prelude::*;
 use super::thinning::Pair;
 use super::*;
 use crate::clip::builtin::generate;
-use crate::clip::contacts::FootContacts;
+use crate::clip::contacts::Contacts;
 use crate::geometry::{RigidMotion, c64, yaw};
 use crate::index::{SourceFrame, floor_index};
 use crate::similarity::NEIGHBOURS;
@@ -25,12 +25,12 @@ fn working(name: &str, parameters: &[(&str, f64)]) -> Arc<WorkingClip> {
 
 fn side(frames: &[[f64; 3]], feet: &[[bool; 2]]) -> Side {
     let features = Features { width: 3, values: frames.concat() };
-    Side { factors: Factors::new(&features), features, contacts: Contacts(feet.to_vec()) }
+    Side { factors: Factors::new(&features), features, feet: Feet(feet.to_vec()) }
 }
 
 /// Local maxima of the whole matrix, from the most alike on, each unless an accepted one is near.
 fn by_the_book(block: &Block) -> Vec<(usize, usize)> {
-    let count = |side: &Side| side.contacts.0.len();
+    let count = |side: &Side| side.feet.0.len();
     let distance_sq = |i: usize, j: usize| block.rows.features.distance_sq(i, &block.columns.features, j);
     let is_ridge = block.settings.maxima == Maxima::Ridge;
     let is_maximum = |i: usize, j: usize| {
@@ -48,7 +48,7 @@ fn by_the_book(block: &Block) -> Vec<(usize, usize)> {
         })
     };
     let agree = |i: usize, j: usize| {
-        block.rows.contacts.agree(i, &block.columns.contacts, j, block.settings.contact_tolerance)
+        block.rows.feet.agree(i, &block.columns.feet, j, block.settings.contact_tolerance)
     };
     let mut candidates: Vec<(usize, usize, usize)> = (0..count(block.rows))
         .flat_map(|i| (0..count(block.columns)).map(move |j| (i, j)))
@@ -262,7 +262,7 @@ fn feet_that_do_otherwise_keep_frames_apart() {
     let graph = motion_graph(std::slice::from_ref(&walk), &GraphSettings::default());
     let mut lifted = (*walk).clone();
     let half = lifted.contacts.len() / 2;
-    lifted.contacts[half..].fill(FootContacts::default());
+    lifted.contacts[half..].fill(Contacts::default());
     let without = motion_graph(&[Arc::new(lifted)], &GraphSettings::default());
     let crossing = |graph: &MotionGraph| {
         graph.pairs().filter(|(i, j, _)| i.as_usize() + 2 < half && j.as_usize() > half + 2).count()

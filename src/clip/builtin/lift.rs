@@ -51,13 +51,18 @@ const fn seconds(default: f64) -> BuiltinParameter {
     BuiltinParameter { name: "seconds", description: "length", unit: "s", default, range: (2.0, 10.0) }
 }
 
-const BOX_WIDTH: BuiltinParameter = BuiltinParameter {
-    name: "width",
-    description: "of the box, between the palms",
-    unit: "m",
-    default: 0.35,
-    range: (0.15, 0.5),
-};
+/// Width of a box, a parameter of clips that hold one.
+pub(super) const fn box_width(default: f64) -> BuiltinParameter {
+    BuiltinParameter {
+        name: "width",
+        description: "of the box, between the palms",
+        unit: "m",
+        default,
+        range: (0.15, 0.5),
+    }
+}
+
+const BOX_WIDTH: BuiltinParameter = box_width(0.35);
 
 const BOX_HEIGHT: BuiltinParameter = BuiltinParameter {
     name: "height",

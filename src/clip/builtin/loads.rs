@@ -106,7 +106,7 @@ type Hold = fn(&Body, &Values, &Pose, Side) -> ArmTarget;
 
 fn carry(body: &Body, values: &Values) -> Made {
     let bearing = Bearing { lean: -0.05, still: 0.9, ..Bearing::default() };
-    made(body, values, bearing, beside_box)
+    made(body, values, bearing, |body, values, pose, side| beside_box(body, values["width"], pose, side))
 }
 
 fn push(body: &Body, values: &Values) -> Made {
@@ -160,14 +160,14 @@ fn held(frame: usize, [grasp, release]: [usize; 2], takes: bool, gives: bool) ->
 }
 
 /// Palms on both sides of a box before the waist, as who has picked it up holds it.
-fn beside_box(body: &Body, values: &Values, pose: &Pose, side: Side) -> ArmTarget {
+pub(super) fn beside_box(body: &Body, width: f64, pose: &Pose, side: Side) -> ArmTarget {
     let (height, ahead, fingers) = HELD;
     let outwards = DVec3::X * side.sign();
     // Half way between pelvis and neck to the side, where a body leans into a curve.
     let neck = body.skeleton.forward_kinematics(pose)[NECK].position;
     let middle = pose.root.with_x(0.5 * (pose.root.x + neck.x));
     let above_pelvis = height * body.scale - stand::pelvis_height(body);
-    let palm = DVec3::new(0.0, above_pelvis, ahead * body.scale) + outwards * (0.5 * values["width"]);
+    let palm = DVec3::new(0.0, above_pelvis, ahead * body.scale) + outwards * (0.5 * width);
     let fingers = palm_from_wrist(body, fingers);
     ArmTarget {
         wrist: middle + palm - fingers,

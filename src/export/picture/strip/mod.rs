@@ -3,6 +3,7 @@
 //! Poses that travel stand at their real distance where they do not cover each other, else they are spaced evenly. Frames
 //! that events name are among them.
 
+mod bearing;
 mod camera;
 mod figure;
 mod fit;
@@ -13,6 +14,7 @@ mod paint;
 
 pub use camera::StripView;
 
+use self::bearing::{Bearing, Bearings};
 use self::camera::Camera;
 use self::figure::{Figure, Group};
 use self::layout::{Layout, Span, chosen_frames};
@@ -48,6 +50,7 @@ struct Posed {
     groups: Vec<Group>,
     /// What it covers around its origin, metres.
     span: Span,
+    bearing: Vec<Bearing>,
 }
 
 /// Around everything, px.
@@ -68,9 +71,10 @@ const EVENTS: f64 = 18.0;
 pub fn strip_svg(clip: &Clip, options: &StripOptions) -> String {
     let figure = Figure::new(clip);
     let camera = Camera::new(options.view, heading(clip));
+    let bearings = Bearings::of(clip);
     let posed: Vec<Posed> = chosen_frames(clip, options.poses)
         .into_iter()
-        .map(|frame| posed(clip, &figure, &camera, frame))
+        .map(|frame| posed(clip, &figure, &camera, (frame, &bearings)))
         .collect();
     let spans: Vec<Span> = posed.iter().map(|pose| pose.span).collect();
     let travel: Vec<f64> = posed.iter().map(|pose| camera.place(pose.origin - posed[0].origin)[0]).collect();
@@ -100,14 +104,19 @@ fn heading(clip: &Clip) -> f64 {
     if way.norm() > LEAST_WAY && (way.arg() - facing).cos() > AHEAD { way.arg() } else { facing }
 }
 
-fn posed(clip: &Clip, figure: &Figure, camera: &Camera, frame: SourceFrame) -> Posed {
+fn posed(
+    clip: &Clip,
+    figure: &Figure,
+    camera: &Camera,
+    (frame, bearings): (SourceFrame, &Bearings),
+) -> Posed {
     let frames = clip.skeleton.forward_kinematics(&clip.pose(frame));
     let origin = frames[0].position.with_y(figure.ground);
     let groups = figure.groups(&frames);
     let balls = groups.iter().flat_map(|group| &group.parts).flat_map(|part| &part.balls);
     let span =
         balls.fold(Span::default(), |span, ball| span.with(camera.place(ball.centre - origin), ball.radius));
-    Posed { frame, origin, groups, span }
+    Posed { frame, origin, groups, span, bearing: bearings.at(frame, &frames, figure.ground) }
 }
 
 fn write_head(sheet: &mut Sheet, clip: &Clip, (options, layout): (&StripOptions, &Layout), width: f64) {
@@ -156,7 +165,9 @@ fn draw_row(painter: &mut Painter, clip: &Clip, posed: &[Posed], (layout, row): 
     for (index, stand) in &stands {
         let pose = &posed[*index];
         painter.sheet.open("", &format!("frame {}", pose.frame.0));
+        painter.grounds(&pose.bearing, stand);
         painter.body(&pose.groups, stand);
+        painter.bearing(&pose.bearing, stand);
         painter.sheet.close();
         label(painter.sheet, clip, pose.frame, [stand.at[0] + layout.label_offset(pose.span), bottom]);
     }
