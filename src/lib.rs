@@ -43,6 +43,7 @@ pub mod track;
 pub mod scene;
 pub mod object_motion;
 pub mod edit;
+pub mod graph;
 pub mod resample;
 pub mod reach;
 pub mod full_body;
@@ -50,6 +51,7 @@ pub mod embody;
 pub mod metrics;
 pub mod residual;
 pub mod export;
+pub mod graph_cache;
 
 /// The examples of the README compile.
 #[cfg(doctest)]

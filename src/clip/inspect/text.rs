@@ -25,9 +25,18 @@ const BODY: [(&str, &str, &[&str]); 5] = [
 /// The facts as a screen of text: at most 30 lines of 100 characters, all ended. What does not fit is counted; it is all in
 /// the facts.
 pub fn facts_text(facts: &ClipFacts) -> String {
-    let mut lines = vec![clipped(&facts.file, WIDTH)];
-    for (key, value, most) in measures(facts).into_iter().chain(phases(facts)).chain(joints(facts)) {
-        put(&mut lines, key, &value, most);
+    let entries: Vec<Entry> = measures(facts).into_iter().chain(phases(facts)).chain(joints(facts)).collect();
+    let laid_out = |most_lines: usize| {
+        let mut lines = vec![clipped(&facts.file, WIDTH)];
+        for (key, value, most) in &entries {
+            put(&mut lines, key, value, (*most).min(most_lines));
+        }
+        lines
+    };
+    let mut lines = laid_out(usize::MAX);
+    if lines.len() >= HEIGHT {
+        // Some twenty entries: with a line each, and one for warnings, they fit.
+        lines = laid_out(1);
     }
     put_warnings(&mut lines, &facts.warnings);
     let mut text = String::new();
@@ -104,6 +113,9 @@ fn phases(facts: &ClipFacts) -> Vec<Entry> {
         facts.flights.iter().map(|flight| FrameRange { from: flight.from, to: flight.to }).collect();
     entries.push(("flights", range_list(&flights), 2));
     entries.push(("stationary", range_list(&facts.stationary), 2));
+    if let Some(transitions) = &facts.transitions {
+        entries.push(("transitions", transitions.text(), 1));
+    }
     if !facts.events.is_empty() {
         let events: Vec<String> =
             facts.events.iter().map(|event| format!("{} {}", event.name, event.frame)).collect();
@@ -264,7 +276,7 @@ mod tests {
 
     use super::*;
     use crate::clip::builtin::generate;
-    use crate::clip::inspect::{RoleFact, inspect};
+    use crate::clip::inspect::{EventFact, JointRange, RoleFact, TransitionFacts, inspect};
     use crate::clip::read::{ReadClip, Up};
 
     fn facts() -> ClipFacts {
@@ -283,11 +295,28 @@ mod tests {
         assert!(fits(&facts_text(&facts)));
         facts.file = "x/".repeat(200);
         facts.warnings = (0..50).map(|index| format!("{index} {}", "word ".repeat(90))).collect();
+        let (pairs, whole_cycles) = (1_000_000, Some(0.5));
+        let transitions = TransitionFacts { pairs, idle: pairs, whole_cycles, ..TransitionFacts::default() };
+        facts.transitions = Some(transitions);
+        facts.events = (0..50).map(|frame| EventFact { name: "event".repeat(5), frame }).collect();
         let contacts = &facts.contacts;
         facts.flights = (0..3000).map(|index| contacts[index % contacts.len()].clone()).collect();
         for role in &mut facts.roles {
-            role.joint = "joint_name".repeat(30);
+            role.joint = format!("{} ", role.role).repeat(30);
         }
+        // Hands and feet that bear again and again, each time higher, and rests in between.
+        let ranges: Vec<FrameRange> =
+            (10_000..10_100).map(|at| FrameRange { from: 9 * at, to: 9 * at + 4 }).collect();
+        let hands = facts.roles.iter().filter(|role| role.role.ends_with("_hand"));
+        let of_hand = |joint: &String, at: &FrameRange| JointRange {
+            joint: Some(joint.clone()),
+            from: at.from,
+            to: at.to,
+            ground: Some(f64::from(at.from)),
+        };
+        facts.contacts = hands.flat_map(|hand| ranges.iter().map(|at| of_hand(&hand.joint, at))).collect();
+        facts.feet.iter_mut().for_each(|foot| foot.ranges.clone_from(&ranges));
+        facts.stationary = ranges;
         assert!(fits(&facts_text(&facts)), "{}", facts_text(&facts));
         assert!(facts_text(&facts).contains("more; --json has them all"));
     }
