@@ -32,6 +32,15 @@ const SWING_SLACK: f64 = 0.004;
 /// A foot displaced this far takes another stride than the captured one, metres.
 const OTHER_STRIDE: f64 = 0.1;
 
+/// Ends nearer than this to where they must be are there, metres.
+pub const TOLERATED: f64 = 1e-3;
+
+/// From ankle to toe, metres, where only the order of it matters.
+const FOOT: f64 = 0.2;
+
+/// Speed with which a foot leaves its plant for where it must be, m/s: farther than 0.1 m it takes a whole fade and is faster.
+const RELEASED: f64 = 0.3;
+
 /// A leg this near to level cannot tell how high its foot is by its length, sine.
 const NEARLY_LEVEL: f64 = 0.1;
 
@@ -114,6 +123,11 @@ fn displaced(foot: &EndPose, [shift, turn]: &Displacement) -> EndPose {
     EndPose { position: foot.position + *shift, rotation: exp(*turn) * foot.rotation }
 }
 
+/// How far two displacements of a foot put its ankle or its toe apart, metres.
+fn apart([shift, turn]: &Displacement, [other_shift, other_turn]: &Displacement) -> f64 {
+    shift.distance(*other_shift) + FOOT * turn.distance(*other_turn)
+}
+
 /// What takes `from` to `to`.
 fn from_to(from: &EndPose, to: &EndPose) -> Displacement {
     [to.position - from.position, log(to.rotation * from.rotation.inverse())]
@@ -125,10 +139,31 @@ impl Leg {
         HANDS.contains(&self.soles)
     }
 
-    /// Has the foot at `target` at sample `at`, whatever its plants ask for.
-    pub fn bind(&mut self, at: usize, target: &EndPose) {
-        self.displacements[at] = from_to(&self.track.moved[at].end_pose(), target);
-        self.bound[at] = true;
+    /// Has the foot at each of `targets`, sample and place, whatever its plants ask for; these let go about it: a plant that
+    /// is displaced otherwise than the target by `d` metres as long before and after as the foot takes for `d` at
+    /// [`RELEASED`], at most [`FADE`]. Cost: linear in targets times the samples in two fades.
+    pub fn bind(&mut self, times: &[f64], targets: &[(usize, EndPose)]) {
+        let displacement =
+            |(at, target): &(usize, EndPose)| from_to(&self.track.moved[*at].end_pose(), target);
+        let bound: Vec<(usize, Displacement)> =
+            targets.iter().map(|target| (target.0, displacement(target))).collect();
+        let mut free = vec![false; times.len()];
+        for (at, displacement) in &bound {
+            let first = times.partition_point(|time| *time <= times[*at] - FADE);
+            let end = times.partition_point(|time| *time < times[*at] + FADE);
+            for other in first..end {
+                let apart = apart(displacement, &self.displacements[other]);
+                let is_beside = (times[other] - times[*at]).abs() < apart / RELEASED;
+                free[other] |= is_beside && apart > TOLERATED;
+            }
+        }
+        for other in (0..free.len()).filter(|&other| free[other]) {
+            self.bound[other] = false;
+            self.planted.iter_mut().for_each(|labels| labels[other] = false);
+        }
+        for (at, displacement) in bound {
+            (self.displacements[at], self.bound[at]) = (displacement, true);
+        }
     }
 
     /// Carries the displacements of bound samples on into those between.

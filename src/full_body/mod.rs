@@ -28,7 +28,7 @@ mod tests;
 use glam::DVec3;
 
 use crate::clip::contacts::Contacts;
-use crate::full_body::chain::{Chain, arms};
+use crate::full_body::chain::{Chain, EndPose, arms};
 use crate::full_body::displacement::Sample;
 pub use crate::full_body::effector::{Effector, Target};
 use crate::full_body::feet::{FADE, Leg};
@@ -106,19 +106,19 @@ pub fn refine(skeleton: &Skeleton, input: &BodyInput, mode: PlantMode) -> Refine
     Refined { poses, planted, report }
 }
 
-/// Effectors on feet, and on hands that bear elsewhere in time, go before their plants.
+/// Effectors on feet, and on hands that bear elsewhere in time, go before their plants, which let go about them.
 fn bind_feet(skeleton: &Skeleton, input: &BodyInput, legs: &mut [Leg]) {
     for leg in legs {
         let chain = leg.chain;
         let is_own = |end: &&Effector| !chain.is_open() && end.limb(skeleton, &[chain]).is_some();
         let ends: Vec<&Effector> = input.effectors.iter().filter(is_own).collect();
-        for end in ends {
-            for (place, target) in end.targets.iter().enumerate() {
-                let at = end.first + place;
-                let foot = effector::end_pose(skeleton, &chain, &input.moved[at], (end.joint, target));
-                leg.bind(at, &foot);
-            }
-        }
+        let target = |end: &Effector, at: usize| {
+            let pose = &input.moved[at];
+            end.at(at).map(|target| (at, effector::end_pose(skeleton, &chain, pose, (end.joint, target))))
+        };
+        let targets: Vec<(usize, EndPose)> =
+            ends.into_iter().flat_map(|end| (end.first..).map_while(move |at| target(end, at))).collect();
+        leg.bind(&input.times, &targets);
         leg.fill(&input.times);
     }
 }

@@ -6,6 +6,7 @@ use crate::clip::contacts::{ContactPoint, Contacts, contact_point, runs};
 use crate::full_body::BodyInput;
 use crate::full_body::chain::world_frame;
 use crate::full_body::feet::Leg;
+pub use crate::full_body::feet::TOLERATED;
 use crate::geometry::log;
 use crate::index::JointId;
 use crate::skeleton::{Pose, Skeleton};
@@ -61,9 +62,6 @@ pub struct PlantedPoint {
     /// … and in the result.
     pub drift: f64,
 }
-
-/// Ends nearer than this to where they must be are there, metres.
-pub const TOLERATED: f64 = 1e-3;
 
 /// Measures the result `poses`.
 pub(super) fn report(
