@@ -9,6 +9,7 @@ use crate::full_body::aim::{Mobility, solve};
 use crate::full_body::chain::{Chain, EndPose, Place, bearing_arms, legs};
 use crate::full_body::fade::{Slopes, Span, fill};
 use crate::full_body::knees::soften;
+use crate::full_body::limits::MOST_BENT;
 use crate::full_body::pins::{pins, spans};
 use crate::full_body::plants::{Displacement, FEET, HANDS, LegTrack, Soles, bearing, plants};
 use crate::full_body::reach::Demand;
@@ -177,10 +178,54 @@ impl Leg {
         displaced(&self.track.moved[at].end_pose(), &self.displacements[at])
     }
 
+    /// The sample nearest to `at` at which the foot is bound, at most half a fade away: what the body does at one sample it
+    /// nearly does at those beside it, too.
+    pub fn bound_near(&self, times: &[f64], at: usize) -> Option<usize> {
+        let away = |other: &usize| (times[*other] - times[at]).abs();
+        let is_near = |other: &usize| away(other) < 0.5 * FADE;
+        let before = (0..=at).rev().take_while(is_near).find(|&other| self.bound[other]);
+        let after = (at..times.len()).take_while(is_near).find(|&other| self.bound[other]);
+        before.into_iter().chain(after).min_by(|a, b| away(a).total_cmp(&away(b)))
+    }
+
     /// What the leg asks of the place of its hip at sample `at`.
     pub fn demand(&self, at: usize) -> Demand {
         let reach = if self.bound[at] { self.reaches[at] } else { self.swing_reach(at) };
-        Demand { hip: self.track.moved[at].limb.upper, ankle: self.target(at).position, reach, fold: 0.0 }
+        let limb = self.track.moved[at].limb;
+        let fold = limb.span_at(MOST_BENT).min(limb.upper.distance(limb.lower)).min(reach);
+        Demand { hip: limb.upper, ankle: self.target(at).position, reach, fold }
+    }
+
+    /// The lowest shift of the body at each sample, metres, at most 0: the hip stays a thigh's length above the lower ankle
+    /// of the plants before and after, so that the knee is never below it wherever it points; or it comes down no farther.
+    /// Infinite for hands, and where the foot never bears.
+    pub fn lowest_shifts(&self) -> Vec<f64> {
+        let height = |at: usize| if self.is_planted(at) { self.target(at).position.y } else { f64::INFINITY };
+        let mut lowest: Vec<f64> = (0..self.bound.len()).map(height).collect();
+        let free = if self.is_arm() { Vec::new() } else { self.free_spans() };
+        for Span { first, last } in free {
+            let before = first.checked_sub(1).map_or(f64::INFINITY, height);
+            let after = if last + 1 < lowest.len() { height(last + 1) } else { f64::INFINITY };
+            lowest[first..=last].fill(before.min(after));
+        }
+        let shift = |(ankle, place): (f64, &Place)| {
+            let floor = ankle + place.limb.lengths()[0];
+            if ankle.is_finite() && !self.is_arm() {
+                (floor - place.limb.upper.y).min(0.0)
+            } else {
+                f64::INFINITY
+            }
+        };
+        lowest.into_iter().zip(&self.track.moved).map(shift).collect()
+    }
+
+    fn is_planted(&self, at: usize) -> bool {
+        self.planted.iter().any(|labels| labels[at])
+    }
+
+    fn free_spans(&self) -> Vec<Span> {
+        let free: Vec<bool> = (0..self.bound.len()).map(|at| !self.is_planted(at)).collect();
+        spans(&free)
     }
 
     /// How far the leg may stretch while its foot is free, metres: as captured as long as the foot is not displaced far, but

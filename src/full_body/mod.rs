@@ -33,7 +33,7 @@ use crate::full_body::displacement::Sample;
 pub use crate::full_body::effector::{Effector, Target};
 use crate::full_body::feet::{FADE, Leg};
 use crate::full_body::hierarchical::{CLOSE, KNOTS, blended, bring, level, sample};
-use crate::full_body::reach::{Demand, drops, within_reach};
+use crate::full_body::reach::{Demand, Demands, drops, within_reach};
 pub use crate::full_body::report::{BodyReport, JointChange, PlantedPoint, Shortfall};
 use crate::skeleton::{Pose, Skeleton};
 
@@ -147,17 +147,19 @@ fn body_shifts(skeleton: &Skeleton, input: &BodyInput, legs: &[Leg]) -> Vec<DVec
     let times = &input.times;
     let feet: Vec<Vec<Demand>> =
         legs.iter().map(|leg| (0..times.len()).map(|at| leg.demand(at)).collect()).collect();
-    let others: Vec<(usize, Vec<Demand>)> = other_demands(skeleton, input, legs)
+    let lowest = lowest_shifts(legs, times.len());
+    let others: Vec<(usize, Demands)> = other_demands(skeleton, input, legs)
         .into_iter()
-        .map(|(at, mut demands)| {
-            demands.extend(legs.iter().zip(&feet).filter(|(leg, _)| leg.bound[at]).map(|(_, foot)| foot[at]));
-            (at, demands)
+        .map(|(at, others)| {
+            let bearing = |(leg, foot): (&Leg, &Vec<Demand>)| Some(foot[leg.bound_near(times, at)?]);
+            let feet = legs.iter().zip(&feet).filter_map(bearing).collect();
+            (at, Demands { feet, others, lowest: lowest[at] })
         })
         .collect();
     let mut pulled = vec![DVec3::ZERO; times.len()];
-    let mut shifts = lowered(times, &feet, &pulled);
+    let mut shifts = lowered(times, (&feet, &lowest), &pulled);
     let missing = |shifts: &[DVec3]| -> Vec<(usize, [DVec3; 1])> {
-        let miss = |at: usize, demands: &[Demand]| within_reach(demands, shifts[at]) - shifts[at];
+        let miss = |at: usize, demands: &Demands| within_reach(demands, shifts[at]) - shifts[at];
         others.iter().map(|(at, demands)| (*at, [miss(*at, demands)])).collect()
     };
     for spacing in std::iter::repeat_n(KNOTS, SWEEPS).flatten() {
@@ -170,19 +172,30 @@ fn body_shifts(skeleton: &Skeleton, input: &BodyInput, legs: &[Leg]) -> Vec<DVec
         for (pull, time) in pulled.iter_mut().zip(times) {
             *pull += DVec3::from_array(spline.at(*time));
         }
-        shifts = lowered(times, &feet, &pulled);
+        shifts = lowered(times, (&feet, &lowest), &pulled);
     }
     let exact = blended(times, &missing(&shifts));
-    for (shift, exact) in shifts.iter_mut().zip(exact) {
+    for ((shift, exact), lowest) in shifts.iter_mut().zip(exact).zip(&lowest) {
         *shift += exact[0];
+        shift.y = shift.y.max(*lowest);
     }
     shifts
 }
 
-/// `pulled`, and down as far as the feet need it.
-fn lowered(times: &[f64], feet: &[Vec<Demand>], pulled: &[DVec3]) -> Vec<DVec3> {
+/// The lowest shift at each sample that leaves all knees above the ground, metres.
+fn lowest_shifts(legs: &[Leg], count: usize) -> Vec<f64> {
+    let mut lowest = vec![f64::INFINITY; count];
+    for leg in legs {
+        lowest.iter_mut().zip(leg.lowest_shifts()).for_each(|(lowest, own)| *lowest = lowest.min(own));
+    }
+    lowest.into_iter().map(|shift| if shift.is_finite() { shift } else { f64::NEG_INFINITY }).collect()
+}
+
+/// `pulled`, and down as far as the feet need it, but not below the lowest shift.
+fn lowered(times: &[f64], (feet, lowest): (&[Vec<Demand>], &[f64]), pulled: &[DVec3]) -> Vec<DVec3> {
     let drops = drops(times, feet, pulled, FADE);
-    pulled.iter().zip(drops).map(|(pull, drop)| *pull - DVec3::Y * drop).collect()
+    let lowered = pulled.iter().zip(drops).map(|(pull, drop)| *pull - DVec3::Y * drop);
+    lowered.zip(lowest).map(|(shift, lowest)| shift.with_y(shift.y.max(*lowest))).collect()
 }
 
 /// What the effectors that are on no leg ask of the body, by sample; samples without any are left out.

@@ -61,23 +61,37 @@ pub fn drops(times: &[f64], demands: &[Vec<Demand>], shifts: &[DVec3], window: f
     envelope(times, &needed, window)
 }
 
+/// What all limbs ask of one sample.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Demands {
+    /// Of feet that bear: they go first where not all can.
+    pub feet: Vec<Demand>,
+    /// Of other ends.
+    pub others: Vec<Demand>,
+    /// The lowest shift of the body, metres.
+    pub lowest: f64,
+}
+
 /// Sweeps over the balls.
 const SWEEPS: usize = 50;
 
-/// Shift of the body nearest to `shift` from which every limb of `demands` reaches; where no place is, one between.
-/// Alternate projections.
-pub fn within_reach(demands: &[Demand], shift: DVec3) -> DVec3 {
-    let mut shift = shift;
-    for _ in 0..SWEEPS {
-        let before = shift;
-        for demand in demands {
-            shift += demand.missing(shift);
+/// Shift of the body nearest to `shift` from which every limb of `demands` reaches and that is not too low; where no place
+/// is, one from which the feet reach. Alternate projections.
+pub fn within_reach(demands: &Demands, shift: DVec3) -> DVec3 {
+    let nearest = |limbs: &[&[Demand]], mut shift: DVec3| {
+        for _ in 0..SWEEPS {
+            let before = shift;
+            for demand in limbs.iter().copied().flatten() {
+                shift += demand.missing(shift);
+            }
+            shift.y = shift.y.max(demands.lowest);
+            if shift.distance(before) < ROUNDING {
+                break;
+            }
         }
-        if shift.distance(before) < ROUNDING {
-            break;
-        }
-    }
-    shift
+        shift
+    };
+    nearest(&[&demands.feet], nearest(&[&demands.others, &demands.feet], shift))
 }
 
 #[cfg(test)]
@@ -112,14 +126,29 @@ mod tests {
             demand(DVec3::new(0.1, 0.9, 0.0), DVec3::ZERO, 0.95),
             demand(DVec3::new(-0.1, 0.9, 0.0), DVec3::new(-0.1, 0.0, 0.0), 1.0),
         ];
-        let shift = within_reach(&demands, DVec3::ZERO);
+        let [hand, feet @ ..] = demands;
+        let all = |feet: &[Demand], others: &[Demand], lowest| Demands {
+            feet: feet.to_vec(),
+            others: others.to_vec(),
+            lowest,
+        };
+        let shift = within_reach(&all(&feet, &[hand], -1.0), DVec3::ZERO);
         for demand in &demands {
             let distance = (demand.hip + shift).distance(demand.ankle);
             assert!(distance < demand.reach + CONVERGED, "{distance} of {}", demand.reach);
         }
-        assert_eq!(within_reach(&demands[1..], DVec3::ZERO), DVec3::ZERO);
+        assert_eq!(within_reach(&all(&feet, &[], -1.0), DVec3::ZERO), DVec3::ZERO);
+        // A hand that is farther down than the body may come: the feet still reach.
+        let low = demand(DVec3::new(0.2, 1.4, 0.0), DVec3::new(0.9, -0.5, 0.0), 0.55);
+        let shift = within_reach(&all(&feet, &[low], -0.3), DVec3::ZERO);
+        assert!((shift.y + 0.3).abs() < CONVERGED, "{shift}");
+        for foot in &feet {
+            assert!((foot.hip + shift).distance(foot.ankle) < foot.reach + CONVERGED);
+        }
         // Too near for an arm that folds to 0.12 m: the shoulder gives way, straight back.
         let near = Demand { fold: 0.12, ..demand(DVec3::Y, DVec3::Y + DVec3::X * 0.08, 0.55) };
-        assert!((within_reach(&[near], DVec3::ZERO) - DVec3::X * -0.04).length() < CONVERGED);
+        assert!(
+            (within_reach(&all(&[], &[near], -1.0), DVec3::ZERO) - DVec3::X * -0.04).length() < CONVERGED
+        );
     }
 }

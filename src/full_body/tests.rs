@@ -327,3 +327,52 @@ proptest! {
         }
     }
 }
+
+/// Height of the lowest knee and of the hips, metres.
+fn lowest_knee_and_hip(skeleton: &Skeleton, poses: &[Pose]) -> f64 {
+    let legs = crate::full_body::chain::legs(skeleton).into_iter().flatten();
+    let heights = legs.flat_map(|leg| {
+        poses.iter().map(move |pose| {
+            let limb = leg.place(skeleton, pose).limb;
+            limb.middle.y.min(limb.upper.y)
+        })
+    });
+    heights.fold(f64::INFINITY, f64::min)
+}
+
+/// Knees stay this far above the ground, metres: as high as ankles, but for what the heel comes up.
+const KNEES: f64 = 0.05;
+
+/// Where hands drag a walking body down and away feet may miss their plants by this much in single frames, and tell it,
+/// metres. Nobody who stands misses any.
+const STRIDE_MISS: f64 = 0.05;
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(64))]
+
+    #[test]
+    fn knees_and_hips_stay_above_the_ground_however_low_a_hand_must_go(
+        place in prop::array::uniform3(-1.0..1.0_f64),
+        down in -0.5..1.2_f64,
+        at in 20..60_usize,
+        frames in 1..20_usize,
+        is_walking in any::<bool>(),
+    ) {
+        let (skeleton, mut input) = if is_walking { walk(3.0) } else { standing() };
+        let under = input.moved[at].root.with_y(down);
+        let position = under + DVec3::new(place[0], 0.0, place[2]);
+        let targets = vec![Target { position, rotation: None }; frames];
+        let joint = joint(&skeleton, JointRole::RightHand);
+        input.effectors.push(Effector { joint, first: at, targets });
+        let refined = refine(&skeleton, &input, PlantMode::AsCaptured);
+        let lowest = lowest_knee_and_hip(&skeleton, &refined.poses);
+        prop_assert!(lowest > KNEES, "{lowest}");
+        let miss = miss(&skeleton, &refined, &input.effectors[0]);
+        let told = refined.report.shortfalls.iter().filter(|told| told.joint == joint);
+        let told = told.map(|told| told.metres).fold(0.0, f64::max);
+        prop_assert!((if miss > TOLERATED { miss } else { 0.0 } - told).abs() < BONES, "{miss} {told}");
+        for foot in refined.report.shortfalls.iter().filter(|told| told.joint != joint) {
+            prop_assert!(is_walking && foot.metres < STRIDE_MISS, "{foot:?}");
+        }
+    }
+}
