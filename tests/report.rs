@@ -53,6 +53,21 @@ fn feet_slide_in_an_unedited_scene_as_before_it() {
     }
 }
 
+/// The clock shows other instants of the clips then, no other motion.
+#[test]
+fn feet_slide_as_before_the_edit_whenever_somebody_sets_off() {
+    for seconds in [0.0, 0.01, 1.0 / 60.0, 0.02, 1.0 / 30.0, 0.05] {
+        let text = format!(
+            "fps = 30\n[clips]\naside = {{ builtin = \"side_step\", seconds = 5 }}\n[[character]]\nname = \"ann\"\n\
+             track = [\"aside\"]\n[[time]]\nat = \"ann:start\"\nseconds = {seconds}\nstrength = \"hard\"\n"
+        );
+        let found = slide(&text);
+        assert!((found.edited - found.rest).abs() < ROUNDING, "from {seconds} s: {found:?}");
+        // Steps at the ends of contacts count only where instants are working frames; no step across an end ever does.
+        assert!((0.002..0.01).contains(&found.rest), "from {seconds} s: {found:?}");
+    }
+}
+
 #[test]
 fn feet_of_a_stretched_walk_slide_only_where_the_full_body_is_off() {
     let (on, off) = (slide(STRETCHED), slide(&format!("{STRETCHED}{OFF}")));
