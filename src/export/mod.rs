@@ -1,5 +1,6 @@
 //! Files out of results.
 
+pub mod body_report;
 pub mod bvh;
 pub mod files;
 pub mod gltf;

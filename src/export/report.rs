@@ -7,6 +7,7 @@ use crate::constraint::Strength;
 use crate::edit::energy::{Energy, length};
 use crate::edit::{Edit, Moved};
 use crate::embody::Embodied;
+use crate::export::body_report::{FullBodyReport, full_body_report};
 use crate::geometry::{c64, wrap};
 use crate::index::{CharacterId, floor_index};
 use crate::metrics::shown_slides;
@@ -68,6 +69,8 @@ pub struct CharacterReport {
     /// Mean horizontal speed of feet in contact, m/s, while the character's own motion is shown: on output frames and
     /// constrained moments, before the edit at the same instants of the clips.
     pub foot_slide: RestEdited,
+    /// What became of the body; `null` where the full body is off.
+    pub full_body: Option<FullBodyReport>,
     /// Clips of other bodies, each once: scale, joints that nothing corresponds to, how far legs fall short.
     pub performed: Vec<Performed>,
     /// Discrete edits, in order.
@@ -246,6 +249,7 @@ fn character_report(embodied: &Embodied<'_>, resampled: &Resampled, who: Charact
         path_length: RestEdited { rest: length(&edited.rest.positions), edited: length(&edited.positions) },
         time_step: if still { MinMax { min: 1.0, max: 1.0 } } else { MinMax { min, max } },
         foot_slide: RestEdited { rest: rest_slide, edited: edited_slide },
+        full_body: full_body_report(embodied, who),
         performed: character.performed.clone(),
         discrete: Vec::new(),
     }
