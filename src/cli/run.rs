@@ -9,7 +9,8 @@ use cotillion::embody::embody;
 use cotillion::export::files::{OutputFile, write_all};
 use cotillion::export::picture::to_png;
 use cotillion::export::report::{Report, Timing, report};
-use cotillion::export::scene::{scene_files, strip_files};
+use cotillion::export::scene::scene_files;
+use cotillion::export::strips::strip_files;
 use cotillion::resample::{TooLong, resample};
 use cotillion::scene::{ClipFolders, Diagnostic, Loaded, Scene, Severity, load};
 

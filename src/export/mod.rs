@@ -8,3 +8,4 @@ mod palette;
 pub mod picture;
 pub mod report;
 pub mod scene;
+pub mod strips;
