@@ -8,7 +8,7 @@ use std::sync::Arc;
 use rayon::prelude::*;
 
 use crate::clip::Clip;
-use crate::clip::contacts::Contacts;
+use crate::clip::contacts::{ContactPoint, Contacts};
 use crate::edit::{Edit, EditedCharacter};
 use crate::index::floor_index;
 use crate::scene::Scene;
@@ -17,7 +17,7 @@ use crate::track::Track;
 
 pub use crate::edit::moved::{frame_at, time_of};
 
-/// Clock ticks this near to an instant are at it, in ticks.
+/// Clock ticks this near to an instant are at it, in ticks; so are working frames, in frames.
 const ON_TICK: f64 = 1e-6;
 
 /// The result on the scene's clock.
@@ -83,6 +83,21 @@ fn check_size(scene: &Scene, edit: &Edit, start_tick: f64) -> Result<(), TooLong
 pub fn shown_contacts_at(track: &Track, frames: &[f64]) -> Vec<Contacts> {
     let known = track.collect(|clip, frame, _| clip.contacts[frame]);
     frames.iter().map(|frame| nearest(&known, *frame)).collect()
+}
+
+/// Points of the feet and hands that bear at both working frames around fractional frames of a track: those that surely
+/// stand there.
+pub fn bearing_contacts_at(track: &Track, frames: &[f64]) -> Vec<Contacts> {
+    let known = track.collect(|clip, frame, _| clip.contacts[frame]);
+    let both = |frame: &f64| {
+        let [before, mut after] =
+            [(frame + ON_TICK).floor(), (frame - ON_TICK).ceil()].map(|frame| nearest(&known, frame));
+        for point in ContactPoint::ALL {
+            after.set(point, after.at(point) && before.at(point));
+        }
+        after
+    };
+    frames.iter().map(both).collect()
 }
 
 fn nearest(contacts: &[Contacts], frame: f64) -> Contacts {

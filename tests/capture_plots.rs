@@ -3,18 +3,16 @@
 
 use std::path::{Path, PathBuf};
 
-use cotillion::clip::contacts::{ContactPoint, contact_point};
-use cotillion::clip::working::WORKING_STEP;
 use cotillion::edit::{Edit, Editor};
 use cotillion::embody::{Embodied, embody};
-use cotillion::export::report::{Report, report};
+use cotillion::export::report::{Report, RestEdited, report};
 use cotillion::geometry::wrap;
 use cotillion::index::{CharacterId, JointId, ObjectId};
 use cotillion::object::ObjectPose;
 use cotillion::object_motion::{ObjectMotion, Owner, Performance, object_motions, skeleton_of};
 use cotillion::resample::resample;
 use cotillion::scene::{ClipFolders, Scene, load};
-use cotillion::skeleton::{JointFrame, JointRole};
+use cotillion::skeleton::JointRole;
 use glam::DVec3;
 use libtest_mimic::{Arguments, Failed, Trial};
 
@@ -254,9 +252,8 @@ fn apart(played: &Played<'_>) -> Result<(), Failed> {
 }
 
 fn sound(played: &Played<'_>) -> Result<(), Failed> {
-    for (index, body) in played.bodies.bodies.iter().enumerate() {
-        let [rest, edited] = slides(played, CharacterId::from_usize(index));
-        let name = &played.scene.characters[index].name;
+    for (told, body) in played.report.characters.iter().zip(&played.bodies.bodies) {
+        let (name, RestEdited { rest, edited }) = (&told.name, told.foot_slide);
         ensure(edited <= rest + SPEED_ROUNDING, || {
             format!("{name}'s feet slide {edited} m/s, captured {rest} m/s")
         })?;
@@ -264,35 +261,6 @@ fn sound(played: &Played<'_>) -> Result<(), Failed> {
     }
     let short = played.report.constraints.iter().find(|constraint| constraint.shortfall.is_some());
     ensure(short.is_none(), || format!("{short:?}"))
-}
-
-/// Mean horizontal speed of planted points of the feet since somebody set off, as captured and in the result, m/s: both at
-/// the instants that the result shows.
-fn slides(played: &Played<'_>, who: CharacterId) -> [f64; 2] {
-    let (body, track) =
-        (&played.bodies.bodies[who.as_usize()], &played.scene.characters[who.as_usize()].track);
-    let skeleton = skeleton_of(played.scene, who);
-    let frames: Vec<f64> = body.times.iter().map(|time| played.bodies.frame(who, *time)).collect();
-    let captured = frames.iter().map(|frame| skeleton.forward_kinematics(&track.pose(*frame))).collect();
-    let edited = body.poses.iter().map(|pose| skeleton.forward_kinematics(pose)).collect();
-    let own_times = frames.iter().map(|frame| frame * WORKING_STEP).collect();
-    let shown: [(Vec<Vec<JointFrame>>, Vec<f64>); 2] = [(captured, own_times), (edited, body.times.clone())];
-    shown.map(|(poses, times)| {
-        let (mut length, mut seconds) = (0.0, 0.0);
-        for point in ContactPoint::FEET {
-            let at = contact_point(skeleton, point).expect("captured bodies have feet");
-            let stands = |sample: &usize| {
-                let moves = frames[*sample] > frames[sample - 1]; // who waits does not slide
-                moves && body.planted[sample - 1].at(point) && body.planted[*sample].at(point)
-            };
-            for sample in (1..poses.len()).filter(stands) {
-                let step = at.place(&poses[sample]) - at.place(&poses[sample - 1]);
-                length += step.with_y(0.0).length();
-                seconds += times[sample] - times[sample - 1];
-            }
-        }
-        length / seconds
-    })
 }
 
 fn hands(played: &Played<'_>) -> Result<(), Failed> {

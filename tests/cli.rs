@@ -296,6 +296,46 @@ fn a_hand_reaches_what_it_must_unless_the_full_body_is_off() {
 }
 
 #[test]
+fn what_is_out_of_reach_is_said_and_reported() {
+    let far = SOUND.replace("position = [1.0, -4.0]", "position = [7.0, 0.0]");
+    let pull = "[[pin]]\nat = \"ann:start\"\nposition = [0.0, 0.0]\nstrength = \"hard\"\n\
+                [[end_effector]]\nname = \"lamp\"\nat = \"bo:end\"\njoint = \"left_hand\"\n\
+                target = { position = [-1.0, 1.2, 0.0] }\n[[pin]]\nname = \"mark\"\nat = \"bo:end\"\n\
+                position = [1.5, 0.0]\nstrength = \"hard\"\n";
+    let home = Home::with(&format!("{far}{pull}"));
+    let output = home.run(&[]);
+    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    let said = stdout(&output);
+    let parts = [
+        "ann: LeftFoot is ",
+        " m short of its place at ",
+        " % of contacts hold",
+        "bo: LeftHand is ",
+        "lamp is off by ",
+        "mark (hard) is off by ",
+        ": its path holds, the body is pulled off it",
+    ];
+    for part in parts {
+        assert!(said.contains(part), "{part} in {said}");
+    }
+    let report: Value =
+        serde_json::from_slice(&fs::read(home.path("result/report.json")).expect("written")).expect("JSON");
+    let body = &report["characters"][0]["full_body"];
+    for key in ["root_shift", "root_drop", "contacts_held"] {
+        assert!(body[key].is_f64(), "{key} in {body}");
+    }
+    for key in ["joint", "time", "degrees"] {
+        assert!(!body["largest_change"][key].is_null(), "{key} in {body}");
+    }
+    for key in ["point", "from", "to", "captured", "result"] {
+        assert!(!body["largest_drift"][key].is_null(), "{key} in {body}");
+    }
+    for key in ["joint", "time", "metres"] {
+        assert!(!body["shortfalls"][0][key].is_null(), "{key} in {body}");
+    }
+}
+
+#[test]
 fn carries_that_overlap_end_the_run_and_are_named() {
     let carry = |name: &str, who: &str, from: &str| {
         format!(

@@ -11,7 +11,7 @@ use cotillion::clip::builtin::generate;
 use cotillion::clip::read::{Capture, ReadOptions, Up, read};
 use cotillion::clip::working::WorkingClip;
 use cotillion::export::picture::{
-    Company, StripOptions, StripThing, StripView, clip_svg, graph_svg, strip_svg, to_png,
+    Company, StripOptions, StripThing, StripTie, StripView, clip_svg, graph_svg, strip_svg, to_png,
 };
 use cotillion::graph::facts::transition_facts;
 use cotillion::graph::{GraphSettings, motion_graph};
@@ -321,7 +321,11 @@ fn boxes_and_partners_are_drawn_with_who_is_near_them() {
     let with = |ahead: f64, partners: &[&Clip]| {
         let at = clip.root_positions[0].with_y(0.0) + glam::DVec3::new(0.0, 0.0, ahead);
         let thing = StripThing { size: [0.3; 3], poses: vec![ObjectPose { position: at, facing: 0.0 }] };
-        strip_svg(&clip, &Company { things: &[thing], partners }, &StripOptions::default())
+        strip_svg(
+            &clip,
+            &Company { things: &[thing], partners, ..Company::default() },
+            &StripOptions::default(),
+        )
     };
     let alone = strip_svg(&clip, &Company::default(), &StripOptions::default());
     assert_eq!(with(1000.0, &[]), alone);
@@ -335,4 +339,23 @@ fn boxes_and_partners_are_drawn_with_who_is_near_them() {
     let accompanied = with(1000.0, &[&clip]);
     assert_sound(&accompanied);
     assert_eq!(parts(&accompanied), 2 * parts(&alone));
+}
+
+/// Two metres off is too far to be drawn beside every pose, but not where something ties the two.
+#[test]
+fn partners_who_are_tied_to_a_body_are_drawn_at_that_time() {
+    let clip = generate("walk", &BTreeMap::new()).expect("a generated clip");
+    let mut away = clip.clone();
+    away.root_positions.iter_mut().for_each(|root| root.z += 2.0);
+    let parts = |ties: &[StripTie]| {
+        let company = Company { partners: &[&clip, &away], own: Some(0), ties, ..Company::default() };
+        let svg = strip_svg(&clip, &company, &StripOptions::default());
+        svg.matches("<linearGradient").count()
+    };
+    let alone = parts(&[]);
+    assert_eq!(alone, parts(&[StripTie { partner: 0, first: clip.usable.0, last: clip.usable.1 }]));
+    let (first, last) = clip.usable;
+    assert_eq!(parts(&[StripTie { partner: 1, first, last }]), 2 * alone);
+    let once = parts(&[StripTie { partner: 1, first, last: first }]);
+    assert!(alone < once && once < alone + alone / 6, "at one of twelve poses: {alone} and {once}");
 }

@@ -4,6 +4,7 @@ use std::path::Path;
 
 use cotillion::edit::Editor;
 use cotillion::embody::embody;
+use cotillion::export::body_report::FullBodyReport;
 use cotillion::export::report::{Report, RestEdited, report};
 use cotillion::resample::resample;
 use cotillion::scene::{ClipFolders, load_text};
@@ -40,6 +41,10 @@ fn told(text: &str) -> Report {
     report(&embodied, &edit, &resampled)
 }
 
+fn body(text: &str) -> FullBodyReport {
+    told(text).characters[0].full_body.clone().expect("the full body is on")
+}
+
 fn slide(text: &str) -> RestEdited {
     told(text).characters[0].foot_slide
 }
@@ -50,6 +55,21 @@ fn feet_slide_in_an_unedited_scene_as_before_it() {
     for text in [unedited.to_owned(), format!("{unedited}{OFF}")] {
         let found = slide(&text);
         assert!((found.edited - found.rest).abs() < ROUNDING, "{found:?}");
+    }
+}
+
+/// The clock shows other instants of the clips then, no other motion.
+#[test]
+fn feet_slide_as_before_the_edit_whenever_somebody_sets_off() {
+    for seconds in [0.0, 0.01, 1.0 / 60.0, 0.02, 1.0 / 30.0, 0.05] {
+        let text = format!(
+            "fps = 30\n[clips]\naside = {{ builtin = \"side_step\", seconds = 5 }}\n[[character]]\nname = \"ann\"\n\
+             track = [\"aside\"]\n[[time]]\nat = \"ann:start\"\nseconds = {seconds}\nstrength = \"hard\"\n"
+        );
+        let found = slide(&text);
+        assert!((found.edited - found.rest).abs() < ROUNDING, "from {seconds} s: {found:?}");
+        // Steps at the ends of contacts count only where instants are working frames; no step across an end ever does.
+        assert!((0.002..0.01).contains(&found.rest), "from {seconds} s: {found:?}");
     }
 }
 
@@ -86,4 +106,32 @@ fn a_body_that_a_hand_pulls_off_its_pin_is_told_on_the_motion_and_not_on_the_pat
     assert!(pulled.residual > 0.05, "{pulled:?}");
     assert!(pulled.path_residual.is_some_and(|metres| metres < ROUNDING), "{pulled:?}");
     assert!(mark(&format!("{STRETCHED}{pull}{OFF}")).residual < ROUNDING);
+}
+
+#[test]
+fn a_body_tells_its_largest_turn_and_which_contacts_hold() {
+    let unedited = STRETCHED.split("[[pin]]").next().expect("a scene without its pins");
+    let still = body(unedited);
+    assert!(still.largest_change.is_none(), "nothing changes nothing: {still:?}");
+    assert_eq!((still.contacts_held, still.root_shift), (Some(1.0), 0.0));
+    let pinned = body(&format!("{unedited}[full_body]\nplants = \"pinned\"\n"));
+    let change = pinned.largest_change.expect("generated feet drift by millimetres");
+    // What the project promises of feet held still.
+    assert!(change.degrees > 0.01 && change.degrees < 5.0, "{change:?}");
+    assert!((0.0..4.1).contains(&change.time), "{change:?}");
+    let drift = pinned.largest_drift.expect("feet are planted");
+    assert!(drift.result < drift.captured + ROUNDING && drift.from < drift.to, "{drift:?}");
+    assert!(told(&format!("{unedited}{OFF}")).characters[0].full_body.is_none());
+}
+
+#[test]
+fn plants_out_of_reach_are_told() {
+    let near = body(STRETCHED);
+    assert!(near.shortfalls.is_empty() && near.contacts_held == Some(1.0), "{near:?}");
+    let far = body(&STRETCHED.replace("[2.65, 0.0]", "[6.5, 0.0]"));
+    let worst = far.shortfalls.iter().map(|shortfall| shortfall.metres).fold(0.0, f64::max);
+    assert!(worst > 0.05 && far.shortfalls[0].joint.contains("Foot"), "{:?}", far.shortfalls);
+    let drift = far.largest_drift.expect("feet bear");
+    assert!(drift.result > drift.captured + 0.05, "{drift:?}");
+    assert!(far.contacts_held.is_some_and(|share| share < 0.9), "{:?}", far.contacts_held);
 }

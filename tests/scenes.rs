@@ -1,6 +1,6 @@
 //! Every scene of `scenes/` runs, and what it says holds: hard constraints to 1e-9, synchronised moments to 1e-9 s,
-//! finite poses, the same bytes twice, the same answer
-//! by both backends. Scenes on real capture are reported as skipped where there is none.
+//! finite poses, feet that slide no
+//! more than captured, the same bytes twice, the same answer by both backends. Scenes on real capture are reported as skipped where there is none.
 
 mod agree;
 
@@ -9,7 +9,9 @@ use std::path::{Path, PathBuf};
 
 use cotillion::constraint::{ConstraintKind, Strength};
 use cotillion::edit::Editor;
+use cotillion::embody::embody;
 use cotillion::export::bvh::BvhOptions;
+use cotillion::export::report::{RestEdited, report};
 use cotillion::export::scene::scene_files;
 use cotillion::resample::resample;
 use cotillion::residual::residuals;
@@ -18,6 +20,8 @@ use libtest_mimic::{Arguments, Failed, Trial};
 
 /// Hard constraints hold to this, metres, radians, seconds.
 const HARD: f64 = 1e-9;
+/// Mean speeds of feet compare to this, m/s: soft constraints are solved to 1e-7 m.
+const SLIDE: f64 = 1e-7;
 
 fn main() {
     let mut arguments = Arguments::from_args();
@@ -101,7 +105,16 @@ fn edited(scene: &Scene) -> Result<Vec<(String, Vec<u8>)>, Failed> {
     if hard == 0 || syncs == 0 {
         return Err("a scene of ours has hard constraints and synchronised moments".into());
     }
-    let resampled = resample(scene, edit).map_err(|error| error.to_string())?;
+    let mut resampled = resample(scene, edit).map_err(|error| error.to_string())?;
+    let embodied = embody(scene, edit, &mut resampled);
+    for told in report(&embodied, edit, &resampled).characters {
+        let RestEdited { rest, edited } = told.foot_slide;
+        // What drifts as captured does so faster where time is pressed together.
+        let allowed = rest / told.time_step.min.min(1.0) + SLIDE;
+        if edited > allowed {
+            return Err(format!("{}'s feet slide {edited} m/s, captured {rest} m/s", told.name).into());
+        }
+    }
     for clip in &resampled.clips {
         let finite =
             clip.root_positions.iter().all(|p| p.is_finite()) && clip.rotations.iter().all(|q| q.is_finite());

@@ -10,6 +10,7 @@ mod draw;
 mod inspect;
 mod output;
 mod run;
+mod summary;
 
 use std::path::PathBuf;
 use std::process::ExitCode;

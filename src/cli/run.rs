@@ -9,11 +9,13 @@ use cotillion::embody::embody;
 use cotillion::export::files::{OutputFile, write_all};
 use cotillion::export::picture::to_png;
 use cotillion::export::report::{Report, Timing, report};
-use cotillion::export::scene::{scene_files, strip_files};
+use cotillion::export::scene::scene_files;
+use cotillion::export::strips::strip_files;
 use cotillion::resample::{TooLong, resample};
 use cotillion::scene::{ClipFolders, Diagnostic, Loaded, Scene, Severity, load};
 
 use super::output::{Output, PlainError};
+use super::summary::summary;
 use super::{Failure, RunArgs};
 
 pub(crate) fn run(args: &RunArgs) -> Result<(), Failure> {
@@ -190,32 +192,4 @@ fn line_span(text: &str, line: usize) -> std::ops::Range<usize> {
         start += own.len();
     }
     0..0
-}
-
-/// A few lines for people.
-fn summary(report: &Report, folder: &Path) -> String {
-    let mut text = String::new();
-    for character in &report.characters {
-        text += &format!(
-            "{:<12} path {:6.2} m → {:6.2} m   {:6.2} s in {} frames   time steps ×{:.2}–{:.2}\n",
-            character.name,
-            character.path_length.rest,
-            character.path_length.edited,
-            character.seconds,
-            character.frames_out,
-            character.time_step.min,
-            character.time_step.max,
-        );
-    }
-    let missed = report
-        .constraints
-        .iter()
-        .filter(|constraint| constraint.strength != "hard" && constraint.residual > 0.01);
-    for constraint in missed {
-        text += &format!("{} is off by {:.3} {}\n", constraint.name, constraint.residual, constraint.unit);
-    }
-    for note in &report.notes {
-        text += &format!("note: {note}\n");
-    }
-    text + &format!("{} files in {}\n", report.files.len() + 1, folder.display())
 }

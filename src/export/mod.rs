@@ -1,5 +1,6 @@
 //! Files out of results.
 
+pub mod body_report;
 pub mod bvh;
 pub mod files;
 pub mod gltf;
@@ -7,3 +8,4 @@ mod palette;
 pub mod picture;
 pub mod report;
 pub mod scene;
+pub mod strips;

@@ -6,16 +6,16 @@ use crate::clip::Clip;
 use crate::constraint::Strength;
 use crate::edit::energy::{Energy, length};
 use crate::edit::{Edit, Moved};
-use crate::embody::{Embodied, sample_times};
+use crate::embody::Embodied;
+use crate::export::body_report::{FullBodyReport, full_body_report};
 use crate::geometry::{c64, wrap};
 use crate::index::{CharacterId, floor_index};
-use crate::metrics::foot_slide_at;
-use crate::object_motion::{AtRest, ObjectMotion, Owner, Performance, object_motions, skeleton_of};
+use crate::metrics::shown_slides;
+use crate::object_motion::{ObjectMotion, Owner, object_motions};
 use crate::reach::{Miss, REACHED, Stage, carry_residuals, effector_residuals};
-use crate::resample::{Resampled, shown_contacts_at, time_of};
+use crate::resample::{Resampled, time_of};
 use crate::residual::{MomentTime, Residual, largest, moment_times, residuals_of};
 use crate::scene::{Performed, Scene};
-use crate::skeleton::Pose;
 
 use crate::clip::working::WORKING_STEP;
 
@@ -66,9 +66,11 @@ pub struct CharacterReport {
     pub path_length: RestEdited,
     /// Smallest and largest time step, as multiples of the rest step.
     pub time_step: MinMax,
-    /// Mean horizontal speed of feet in contact, m/s: on output frames and constrained moments, while the character's own
-    /// motion is shown.
+    /// Mean horizontal speed of feet in contact, m/s, while the character's own motion is shown: on output frames and
+    /// constrained moments, before the edit at the same instants of the clips.
     pub foot_slide: RestEdited,
+    /// What became of the body; `null` where the full body is off.
+    pub full_body: Option<FullBodyReport>,
     /// Clips of other bodies, each once: scale, joints that nothing corresponds to, how far legs fall short.
     pub performed: Vec<Performed>,
     /// Discrete edits, in order.
@@ -238,8 +240,7 @@ fn character_report(embodied: &Embodied<'_>, resampled: &Resampled, who: Charact
         steps.fold((f64::INFINITY, f64::NEG_INFINITY), |(min, max), step| (min.min(step), max.max(step)));
     let still = edited.times.len() < 2;
     let frames_in = floor_index(last * WORKING_STEP * scene.fps + 1e-6) + 1;
-    let edited_slide = slide(scene, embodied, who, (resampled.start_time, frames_out));
-    let rest_slide = slide(scene, &AtRest(scene), who, (0.0, frames_in));
+    let [rest_slide, edited_slide] = shown_slides(scene, embodied, who, (resampled.start_time, frames_out));
     CharacterReport {
         name: character.name.clone(),
         frames_in,
@@ -248,23 +249,10 @@ fn character_report(embodied: &Embodied<'_>, resampled: &Resampled, who: Charact
         path_length: RestEdited { rest: length(&edited.rest.positions), edited: length(&edited.positions) },
         time_step: if still { MinMax { min: 1.0, max: 1.0 } } else { MinMax { min, max } },
         foot_slide: RestEdited { rest: rest_slide, edited: edited_slide },
+        full_body: full_body_report(embodied, who),
         performed: character.performed.clone(),
         discrete: Vec::new(),
     }
-}
-
-/// Mean slide of a character's feet on its samples, as long as it does not hold its first or last pose. `clock`: scene time of
-/// output frame 0, and how many there are.
-fn slide(scene: &Scene, performance: &impl Performance, who: CharacterId, clock: (f64, usize)) -> f64 {
-    let track = &scene.characters[who.as_usize()].track;
-    let last = track.frame_count() as f64 - 1.0 + track.overhang();
-    let [start, end] = [0.0, last].map(|frame| performance.time(who, frame));
-    let mut times = sample_times(scene, performance, who, clock);
-    times.retain(|time| (start..=end).contains(time));
-    let frames: Vec<f64> = times.iter().map(|time| performance.frame(who, *time)).collect();
-    let poses: Vec<Pose> = frames.iter().map(|frame| performance.pose(who, *frame)).collect();
-    let contacts = shown_contacts_at(track, &frames);
-    foot_slide_at(skeleton_of(scene, who), (&times, &poses), &contacts).unwrap_or(0.0)
 }
 
 fn constraint_report(constraint: &crate::constraint::Constraint, residual: &Residual) -> ConstraintReport {

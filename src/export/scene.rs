@@ -7,13 +7,10 @@ use crate::edit::{Edit, EditedCharacter, Moved};
 use crate::export::bvh::{BvhOptions, to_bvh_with};
 use crate::export::files::{OutputFile, file_names};
 use crate::export::gltf::{GlbObject, GlbScene, Performer, to_glb};
-use crate::export::picture::{
-    Actor, Company, Handle, Picture, PictureObject, StripOptions, StripThing, StripView, Tie, strip_svg,
-    to_svg,
-};
+use crate::export::picture::{Actor, Handle, Picture, PictureObject, Tie, to_svg};
 use crate::geometry::c64;
-use crate::index::{SourceFrame, floor_index};
-use crate::object::{Object, ObjectPose};
+use crate::index::floor_index;
+use crate::object::ObjectPose;
 use crate::object_motion::{ObjectMotion, Owner, Performance, object_motions};
 use crate::path;
 use crate::resample::{Resampled, time_of};
@@ -39,43 +36,6 @@ pub fn scene_files(scene: &Scene, edit: &Edit, resampled: &Resampled, bvh: &BvhO
     files
 }
 
-/// Poses of every character side by side, seen from the side and from above, the moments that the scene names among them;
-/// with each pose the objects and partners near it.
-pub fn strip_files(scene: &Scene, edit: &Edit, resampled: &Resampled) -> Vec<OutputFile> {
-    let names: Vec<&str> = scene.characters.iter().map(|character| character.name.as_str()).collect();
-    let mut clips = resampled.clips.clone();
-    for moment in scene.moments() {
-        let who = moment.character.as_usize();
-        let time = time_of(&edit.characters[who].times, scene.frame_of(moment));
-        let frame = floor_index(((time - resampled.start_time) * scene.fps).max(0.0) + 0.5);
-        let shown = frame.min(clips[who].frame_count() - 1);
-        let name = moment.name.rsplit(['/', ':']).next().unwrap_or(&moment.name);
-        clips[who].events.insert(name.to_owned(), SourceFrame::from_usize(shown));
-    }
-    let moved = Moved { scene, characters: &edit.characters };
-    let frames = clips.iter().map(Clip::frame_count).max().unwrap_or(1);
-    let clock = || (0..frames).map(|k| resampled.start_time + k as f64 / scene.fps);
-    let thing = |(object, motion): (&Object, &ObjectMotion)| StripThing {
-        size: object.size,
-        poses: poses(&moved, motion, clock()),
-    };
-    let motions = object_motions(scene, &moved);
-    let things: Vec<StripThing> = scene.objects.iter().zip(&motions).map(thing).collect();
-    let views = [("side", StripView::Side), ("above", StripView::Above)];
-    let strips = views.into_iter().flat_map(|(word, view)| {
-        let options = StripOptions { view, ..StripOptions::default() };
-        let svg = |(who, clip): (usize, &Clip)| {
-            let others = resampled.clips.iter().enumerate().filter(|(other, _)| *other != who);
-            let partners: Vec<&Clip> = others.map(|(_, clip)| clip).collect();
-            strip_svg(clip, &Company { things: &things, partners: &partners }, &options)
-        };
-        file_names(&names).into_iter().zip(clips.iter().enumerate().map(svg).collect::<Vec<_>>()).map(
-            move |(name, svg)| OutputFile { name: format!("{name}.{word}.svg"), bytes: svg.into_bytes() },
-        )
-    });
-    strips.collect()
-}
-
 fn glb(scene: &Scene, edit: &Edit, resampled: &Resampled) -> Vec<u8> {
     let performers = scene.characters.iter().zip(&resampled.clips);
     let frames = resampled.clips.iter().map(Clip::frame_count).max().unwrap_or(1);
@@ -84,7 +44,7 @@ fn glb(scene: &Scene, edit: &Edit, resampled: &Resampled) -> Vec<u8> {
     let objects = scene.objects.iter().zip(&motions).map(|(object, motion)| GlbObject {
         name: &object.name,
         size: object.size,
-        poses: poses(&moved, motion, (0..frames).map(|k| resampled.start_time + k as f64 / scene.fps)),
+        poses: object_poses(&moved, motion, (0..frames).map(|k| resampled.start_time + k as f64 / scene.fps)),
         fps: scene.fps,
     });
     to_glb(&GlbScene {
@@ -115,7 +75,11 @@ pub fn picture_svg(scene: &Scene, edit: &Edit) -> String {
 }
 
 /// Poses of an object at some times; one, where it stands still.
-fn poses(moved: &Moved<'_>, motion: &ObjectMotion, times: impl Iterator<Item = f64>) -> Vec<ObjectPose> {
+pub(super) fn object_poses(
+    moved: &Moved<'_>,
+    motion: &ObjectMotion,
+    times: impl Iterator<Item = f64>,
+) -> Vec<ObjectPose> {
     let pose = |time: f64| motion.pose_at(moved.scene, moved, time);
     if moved.scene.moves(motion.object) { times.map(pose).collect() } else { vec![pose(0.0)] }
 }
@@ -127,7 +91,7 @@ fn picture_object<'a>(moved: &Moved<'a>, motion: &ObjectMotion) -> PictureObject
         grasped.push(motion.pose_at(moved.scene, moved, span.from).plan());
         released.push(motion.pose_at(moved.scene, moved, span.to).plan());
     }
-    let poses = poses(moved, motion, drawn_times(moved));
+    let poses = object_poses(moved, motion, drawn_times(moved));
     PictureObject { name: &object.name, size: object.size, poses, grasped, released }
 }
 

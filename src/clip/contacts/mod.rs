@@ -92,6 +92,18 @@ impl ContactPoint {
     /// Those of the feet, whose contacts are found.
     pub const FEET: [Self; 4] = [Self::LeftHeel, Self::LeftToe, Self::RightHeel, Self::RightToe];
 
+    /// Its name in reports.
+    pub const fn keyword(self) -> &'static str {
+        match self {
+            Self::LeftHeel => "left_heel",
+            Self::LeftToe => "left_toe",
+            Self::RightHeel => "right_heel",
+            Self::RightToe => "right_toe",
+            Self::LeftHand => "left_hand",
+            Self::RightHand => "right_hand",
+        }
+    }
+
     /// Whether it is a toe.
     pub const fn is_toe(self) -> bool {
         matches!(self, Self::LeftToe | Self::RightToe)

@@ -14,7 +14,7 @@ mod paint;
 mod things;
 
 pub use camera::StripView;
-pub use things::{Company, StripThing};
+pub use things::{Company, StripThing, StripTie};
 
 use self::bearing::{Bearing, Bearings};
 use self::camera::Camera;
@@ -82,7 +82,7 @@ pub fn strip_svg(clip: &Clip, company: &Company, options: &StripOptions) -> Stri
         .map(|frame| {
             let mut own = posed(clip, &figure, (frame, &bearings));
             own.groups.extend(things::groups(company.things, frame.as_usize(), own.origin));
-            own.groups.extend(things::partner_groups(&partners, frame, own.origin));
+            own.groups.extend(things::partner_groups(company, &partners, (frame, own.origin)));
             own.span = span(&own, &camera);
             own
         })

@@ -13,8 +13,23 @@ use crate::object::ObjectPose;
 pub struct Company<'a> {
     /// Boxes.
     pub things: &'a [StripThing],
-    /// Other performers, on the same clock.
+    /// Performers, on the same clock.
     pub partners: &'a [&'a Clip],
+    /// Which of them the body itself is, if any.
+    pub own: Option<usize>,
+    /// When partners are drawn though they are not near.
+    pub ties: &'a [StripTie],
+}
+
+/// A partner with whom a body has to do for a while.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct StripTie {
+    /// Which of the performers.
+    pub partner: usize,
+    /// First frame of the clock.
+    pub first: SourceFrame,
+    /// Last frame of the clock.
+    pub last: SourceFrame,
 }
 
 /// A box, and where it is at each frame of a clip.
@@ -30,6 +45,8 @@ pub struct StripThing {
 const NEAR: f64 = 1.1;
 /// Partners are drawn with a body if their roots are so near, metres: a hand-over at arm's length.
 const BESIDE: f64 = 1.3;
+/// Partners who are tied to a body are drawn up to here, metres: farther off, poses would be too small to see.
+const TIED: f64 = 4.0;
 /// Edges are rounded so far, metres.
 const ROUNDED: f64 = 0.006;
 
@@ -49,23 +66,31 @@ pub(super) fn groups<'a>(
     })
 }
 
-/// The partners near a body, each with what draws it, at any of the frames.
+/// The partners near a body, each with its place in the company and what draws it, at any of the frames.
 pub(super) fn partners<'a>(
     clip: &Clip,
     company: &Company<'a>,
     frames: &[SourceFrame],
-) -> Vec<(&'a Clip, Figure<'a>)> {
-    let comes_near = |partner: &&&Clip| {
-        frames.iter().any(|frame| is_beside(partner, *frame, clip.root_positions[frame.as_usize()]))
+) -> Vec<(usize, Figure<'a>)> {
+    let is_shown = |who: &usize| {
+        let place = |frame: &SourceFrame| clip.root_positions[frame.as_usize()];
+        Some(*who) != company.own
+            && frames.iter().any(|frame| is_beside(company, *who, (*frame, place(frame))))
     };
-    company.partners.iter().filter(comes_near).map(|partner| (*partner, Figure::new(partner))).collect()
+    let shown = (0..company.partners.len()).filter(is_shown);
+    shown.map(|who| (who, Figure::new(company.partners[who]))).collect()
 }
 
 /// The bodies of partners near `origin` at a frame, in other shirts.
-pub(super) fn partner_groups(partners: &[(&Clip, Figure)], frame: SourceFrame, origin: DVec3) -> Vec<Group> {
-    let near = partners.iter().filter(|(clip, _)| is_beside(clip, frame, origin));
+pub(super) fn partner_groups(
+    company: &Company,
+    partners: &[(usize, Figure)],
+    (frame, origin): (SourceFrame, DVec3),
+) -> Vec<Group> {
+    let near = partners.iter().filter(|(who, _)| is_beside(company, *who, (frame, origin)));
     let mut groups: Vec<Group> = near
-        .flat_map(|(clip, figure)| {
+        .flat_map(|(who, figure)| {
+            let clip = company.partners[*who];
             figure.groups(&clip.skeleton.forward_kinematics(&clip.pose(shown(clip, frame))))
         })
         .collect();
@@ -76,9 +101,12 @@ pub(super) fn partner_groups(partners: &[(&Clip, Figure)], frame: SourceFrame, o
     groups
 }
 
-fn is_beside(partner: &Clip, frame: SourceFrame, place: DVec3) -> bool {
+fn is_beside(company: &Company, who: usize, (frame, place): (SourceFrame, DVec3)) -> bool {
+    let partner = company.partners[who];
     let root = partner.root_positions[shown(partner, frame).as_usize()];
-    (plan_of(root) - plan_of(place)).norm() < BESIDE
+    let is_tied =
+        company.ties.iter().any(|tie| tie.partner == who && (tie.first..=tie.last).contains(&frame));
+    (plan_of(root) - plan_of(place)).norm() < if is_tied { TIED } else { BESIDE }
 }
 
 /// After its end a clip holds its last pose.
