@@ -1,9 +1,11 @@
 //! The full body of everybody in a scene: poses on the clock and at constrained moments, their feet planted, their hands
 //! where they must be.
 //!
-//! Characters are corrected one by one, in parallel: what hands reach are places of the motion before this stage (a box
-//! between the hands that carry it, the middle between two hands that meet), so that nobody waits for anybody.
+//! What is carried is between the hands as they are before this stage; bodies are reached where they are after it. So who
+//! reaches somebody waits for them, and all others are corrected in parallel. Those who reach each other, or whose hands
+//! meet, are corrected in turn, twice: hands meet in the middle, and where one falls short the other comes to it.
 
+use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
 use rayon::prelude::*;
@@ -12,11 +14,14 @@ use crate::clip::Clip;
 use crate::clip::contacts::annotated::AnnotatedContact;
 use crate::clip::contacts::{ContactPoint, Contacts, runs};
 use crate::edit::{Edit, Moved};
+use crate::fingers::hold_fingers;
 use crate::full_body::{BodyInput, BodyReport, Effector, PlantMode, Target, refine};
 use crate::geometry::slerp;
 use crate::index::{CharacterId, SourceFrame};
 use crate::object_motion::{ObjectMotion, Performance, object_motions, skeleton_of};
-use crate::reach::{JointTarget, Stage, carry_targets, constrained_times, effector_targets};
+use crate::reach::{
+    JointTarget, Others, Stage, carry_targets, constrained_times, effector_targets, partners,
+};
 use crate::resample::{Resampled, shown_contacts_at};
 use crate::scene::{Plants, Scene};
 use crate::skeleton::Pose;
@@ -57,13 +62,16 @@ pub fn embody<'a>(scene: &'a Scene, edit: &'a Edit, resampled: &mut Resampled) -
     }
     let objects = object_motions(scene, &moved);
     let start = resampled.start_time;
-    let bodies: Vec<Body> = (0..scene.characters.len())
-        .into_par_iter()
-        .map(|who| {
-            let clock = (start, resampled.clips[who].frame_count());
-            body(&moved, &objects, CharacterId::from_usize(who), clock)
-        })
-        .collect();
+    let clocks: Vec<(f64, usize)> = resampled.clips.iter().map(|clip| (start, clip.frame_count())).collect();
+    let mut done: Vec<Option<Body>> = vec![None; scene.characters.len()];
+    for round in rounds(scene) {
+        let turn = |group: &Vec<CharacterId>| in_turn((&moved, &objects), &done, (group, &clocks));
+        let bodies: Vec<(CharacterId, Body)> = round.par_iter().flat_map_iter(turn).collect();
+        for (who, body) in bodies {
+            done[who.as_usize()] = Some(body);
+        }
+    }
+    let bodies: Vec<Body> = done.into_iter().flatten().collect();
     for (clip, body) in resampled.clips.iter_mut().zip(&bodies) {
         let frames = 0..clip.frame_count();
         let samples: Vec<usize> =
@@ -90,29 +98,105 @@ fn hands(planted: &[Contacts]) -> Vec<AnnotatedContact> {
     [ContactPoint::LeftHand, ContactPoint::RightHand].into_iter().flat_map(of_point).collect()
 }
 
+/// Who is corrected when: groups of characters that reach each other, those of one round in parallel, each after all that it
+/// reaches. Cost: quadratic in characters that reach one another in a row, linear in all others.
+fn rounds(scene: &Scene) -> Vec<Vec<Vec<CharacterId>>> {
+    let known: Vec<BTreeSet<CharacterId>> =
+        (0..scene.characters.len()).map(|who| known_by(scene, CharacterId::from_usize(who))).collect();
+    let mut rounds: BTreeMap<usize, Vec<Vec<CharacterId>>> = BTreeMap::new();
+    for (who, others) in known.iter().enumerate() {
+        let who = CharacterId::from_usize(who);
+        let mutual = others.iter().filter(|other| known[other.as_usize()].contains(&who));
+        let group: Vec<CharacterId> = mutual.copied().collect();
+        if group[0] == who {
+            // Who knows a group from outside knows more than it does.
+            rounds.entry(others.len()).or_default().push(group);
+        }
+    }
+    rounds.into_values().collect()
+}
+
+/// A character, all whose bodies it must know, and all whose these must.
+fn known_by(scene: &Scene, who: CharacterId) -> BTreeSet<CharacterId> {
+    let mut known = BTreeSet::from([who]);
+    let mut open = vec![who];
+    while let Some(next) = open.pop() {
+        open.extend(partners(scene, next).into_iter().filter(|partner| known.insert(*partner)));
+    }
+    known
+}
+
+/// Sweeps over characters that reach each other.
+const SWEEPS: usize = 2;
+
+/// Corrects a group; `done`: of everybody who is corrected already. `clocks`: of everybody, see [`sample_times`].
+fn in_turn(
+    (moved, objects): (&Moved<'_>, &[ObjectMotion]),
+    done: &[Option<Body>],
+    (group, clocks): (&[CharacterId], &[(f64, usize)]),
+) -> Vec<(CharacterId, Body)> {
+    let mut bodies: Vec<(CharacterId, Body)> = Vec::with_capacity(group.len());
+    let sweeps = if group.len() > 1 { SWEEPS } else { 1 };
+    for who in std::iter::repeat_n(group, sweeps).flatten() {
+        let so_far = SoFar { moved, done, group: &bodies };
+        let body = body((moved, objects), &so_far, (*who, clocks[who.as_usize()]));
+        match bodies.iter_mut().find(|(known, _)| known == who) {
+            Some((_, known)) => *known = body,
+            None => bodies.push((*who, body)),
+        }
+    }
+    bodies
+}
+
+/// Everybody as corrected so far.
+struct SoFar<'a> {
+    moved: &'a Moved<'a>,
+    done: &'a [Option<Body>],
+    group: &'a [(CharacterId, Body)],
+}
+
+impl SoFar<'_> {
+    fn body(&self, who: CharacterId) -> Option<&Body> {
+        let in_group = self.group.iter().find(|(known, _)| *known == who).map(|(_, body)| body);
+        in_group.or(self.done[who.as_usize()].as_ref())
+    }
+}
+
 /// One character; `clock`: scene time of output frame 0, and how many the character has.
-fn body(moved: &Moved<'_>, objects: &[ObjectMotion], who: CharacterId, clock: (f64, usize)) -> Body {
+fn body(
+    (moved, objects): (&Moved<'_>, &[ObjectMotion]),
+    so_far: &SoFar<'_>,
+    (who, clock): (CharacterId, (f64, usize)),
+) -> Body {
     let scene = moved.scene;
     let times = sample_times(scene, moved, who, clock);
     let track = &scene.characters[who.as_usize()].track;
     let frames: Vec<f64> = times.iter().map(|time| moved.frame(who, *time)).collect();
     let stage = Stage { scene, performance: moved, objects };
     let mut targets = carry_targets(&stage, who, &times);
-    targets.extend(effector_targets(&stage, who, &times));
-    let input = BodyInput {
+    let others = Others { performance: so_far, corrected: &|who| so_far.body(who).is_some() };
+    targets.extend(effector_targets(&stage, &others, who, &times));
+    let before: Vec<Pose> = frames.iter().map(|frame| moved.pose(who, *frame)).collect();
+    let mut input = BodyInput {
         rest: frames.iter().map(|frame| track.pose(*frame)).collect(),
-        moved: frames.iter().map(|frame| moved.pose(who, *frame)).collect(),
+        moved: before.clone(),
         contacts: shown_contacts_at(track, &frames),
         effectors: targets.iter().map(effector).collect(),
         times,
     };
+    hold_fingers(&stage, who, (&input.times, &mut input.moved));
     let mode = match scene.full_body.plants {
         Plants::AsCaptured => PlantMode::AsCaptured,
         Plants::Pinned => PlantMode::Pinned,
     };
     let refined = refine(skeleton_of(scene, who), &input, mode);
-    let (times, moved) = (input.times, input.moved);
-    Body { times, moved, poses: refined.poses, planted: refined.planted, report: refined.report }
+    Body {
+        times: input.times,
+        moved: before,
+        poses: refined.poses,
+        planted: refined.planted,
+        report: refined.report,
+    }
 }
 
 /// Scene times at which a character is looked at: output frames, and constrained moments between them; rising. `clock`: scene
@@ -177,6 +261,29 @@ impl Body {
     }
 }
 
+/// Pose at a fractional frame of a character's track, where `body` tells what became of it.
+fn pose_of(moved: &Moved<'_>, body: Option<&Body>, (who, frame): (CharacterId, f64)) -> Pose {
+    let pose = moved.pose(who, frame);
+    match body {
+        Some(body) if body.times.len() > 1 => body.corrected(pose, moved.time(who, frame)),
+        _ => pose,
+    }
+}
+
+impl Performance for SoFar<'_> {
+    fn time(&self, who: CharacterId, frame: f64) -> f64 {
+        self.moved.time(who, frame)
+    }
+
+    fn frame(&self, who: CharacterId, seconds: f64) -> f64 {
+        self.moved.frame(who, seconds)
+    }
+
+    fn pose(&self, who: CharacterId, frame: f64) -> Pose {
+        pose_of(self.moved, self.body(who), (who, frame))
+    }
+}
+
 impl Performance for Embodied<'_> {
     fn time(&self, who: CharacterId, frame: f64) -> f64 {
         self.moved.time(who, frame)
@@ -187,10 +294,6 @@ impl Performance for Embodied<'_> {
     }
 
     fn pose(&self, who: CharacterId, frame: f64) -> Pose {
-        let pose = self.moved.pose(who, frame);
-        match self.bodies.get(who.as_usize()) {
-            Some(body) if body.times.len() > 1 => body.corrected(pose, self.moved.time(who, frame)),
-            _ => pose,
-        }
+        pose_of(&self.moved, self.bodies.get(who.as_usize()), (who, frame))
     }
 }

@@ -46,6 +46,7 @@ pub mod edit;
 pub mod graph;
 pub mod resample;
 pub mod reach;
+pub mod fingers;
 pub mod full_body;
 pub mod embody;
 pub mod metrics;

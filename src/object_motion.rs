@@ -5,12 +5,12 @@
 //! to the second one's); released, it stays there until it is grasped again. What it is rigid to is taken at the grasp
 //! itself, so that its pose is continuous there. Source: Kim et al. 2009, §4.3 (objects).
 
-use glam::DVec3;
+use glam::{DQuat, DVec3};
 
 use crate::clip::facing::facing;
 use crate::clip::working::WORKING_STEP;
 use crate::constraint::Moment;
-use crate::geometry::plan_of;
+use crate::geometry::{plan_of, yaw};
 use crate::index::{CharacterId, JointId, ObjectId, floor_index};
 use crate::object::{Carry, ObjectPose, hand_overs};
 use crate::scene::Scene;
@@ -99,6 +99,8 @@ pub struct Grip {
     pub joint: JointId,
     /// Of the wrist, in the object's axes, metres; no farther from its surface than the palm reaches.
     pub point: DVec3,
+    /// From the axes of the hand to the object's.
+    pub rotation: DQuat,
 }
 
 /// An owner and how long.
@@ -253,6 +255,7 @@ impl Hold {
             character: *character,
             joint: *joint,
             point: within_reach(size, pose.local(frame.position)),
+            rotation: yaw(pose.facing).inverse() * frame.rotation,
         });
         let attachment = hands.frame(by_hands).relative(&pose);
         Self { carry: index, attachment, by_hands, grips: grips.collect() }

@@ -7,7 +7,7 @@ use std::ops::Range;
 
 use glam::{DQuat, DVec3};
 
-use crate::constraint::When;
+use crate::constraint::{Moment, When};
 use crate::effector::{EffectorTarget, EndEffector, Orientation};
 use crate::geometry::{log, yaw};
 use crate::index::{CharacterId, JointId};
@@ -58,11 +58,33 @@ pub struct Stage<'a, P> {
     pub objects: &'a [ObjectMotion],
 }
 
-/// Scene times of all moments that ask for something of a character's joints, rising.
+/// Everybody as corrected so far.
+#[derive(Clone, Copy)]
+pub struct Others<'a, Q> {
+    /// How they move: corrected where they are, else as before the full body.
+    pub performance: &'a Q,
+    /// Who is corrected.
+    pub corrected: &'a dyn Fn(CharacterId) -> bool,
+}
+
+/// Whose bodies a character must know to reach them: of those it reaches, and of those whose hands it comes to meet; in the
+/// order of the file, some more than once. Cost: linear in end effectors.
+pub fn partners(scene: &Scene, who: CharacterId) -> Vec<CharacterId> {
+    let partner = |effector: &EndEffector| {
+        let EffectorTarget::Joint { character, .. } = effector.target else {
+            return None;
+        };
+        let reach = Reach { effector, own: effector.when.character() };
+        let met = character == who && reach.meets(scene);
+        if reach.own == who { Some(character) } else { met.then_some(reach.own) }
+    };
+    scene.end_effectors.iter().filter_map(partner).collect()
+}
+
+/// Scene times of all moments that ask for something of a character's joints, or at which others reach them; rising.
 pub fn constrained_times(scene: &Scene, performance: &impl Performance, who: CharacterId) -> Vec<f64> {
-    let effectors = scene.end_effectors.iter().flat_map(EndEffector::moments);
+    let own = scene.end_effectors.iter().flat_map(|effector| moments_of(effector, who));
     let carries = scene.carries.iter().filter(|carry| carry.by.contains(&who));
-    let own = effectors.filter(|moment| moment.character == who);
     let all = own.chain(carries.flat_map(|carry| [&carry.during.0, &carry.during.1]));
     let mut times: Vec<f64> = all.map(|moment| moment_time(scene, performance, moment)).collect();
     times.sort_by(f64::total_cmp);
@@ -70,7 +92,15 @@ pub fn constrained_times(scene: &Scene, performance: &impl Performance, who: Cha
     times
 }
 
-/// Targets of a character's hands while they carry: of the wrists; how they are turned is left to the motion. `samples`: scene times, rising. Cost: linear in samples and joints.
+/// The moments of `effector` at which it asks for something of a character, or reaches it.
+fn moments_of(effector: &EndEffector, who: CharacterId) -> impl Iterator<Item = &Moment> {
+    let reached = matches!(effector.target,
+        EffectorTarget::Joint { character, when: None, .. } if character == who);
+    effector.moments().into_iter().filter(move |moment| reached || moment.character == who)
+}
+
+/// Targets of a character's hands while they carry: of the wrists, turned with what they carry. `samples`: scene times,
+/// rising. Cost: linear in samples and joints.
 pub fn carry_targets<P: Performance>(
     stage: &Stage<'_, P>,
     who: CharacterId,
@@ -95,17 +125,19 @@ pub fn carry_targets<P: Performance>(
                 joint: grip.joint,
                 samples: range.clone(),
                 positions: poses.iter().map(|pose| pose.apply(grip.point)).collect(),
-                rotations: Vec::new(),
+                rotations: poses.iter().map(|pose| yaw(pose.facing) * grip.rotation).collect(),
             }));
         }
     }
     targets
 }
 
-/// Targets of a character's end effectors, and of its hands that meet those of others. `samples`: scene times, rising, all
-/// [`constrained_times`] among them. Cost: linear in samples and joints.
-pub fn effector_targets<P: Performance>(
+/// Targets of a character's end effectors, and of its hands that meet those of others: where those are in `others`. Hands
+/// of whom nobody is corrected yet meet in the middle. `samples`: scene times, rising, all [`constrained_times`] among
+/// them. Cost: linear in samples and joints.
+pub fn effector_targets<P: Performance, Q: Performance>(
     stage: &Stage<'_, P>,
+    others: &Others<'_, Q>,
     who: CharacterId,
     samples: &[f64],
 ) -> Vec<JointTarget> {
@@ -118,15 +150,15 @@ pub fn effector_targets<P: Performance>(
         if reach.own == who {
             let [from, to] = ends(stage, &effector.when);
             let range = within(samples, from, to);
-            let aims = samples[range.clone()].iter().map(|time| reach.aim(stage, &rest, *time));
+            let aims = samples[range.clone()].iter().map(|time| reach.aim((stage, &rest), others, *time));
             let (positions, rotations): (Vec<DVec3>, Vec<Option<DQuat>>) = aims.unzip();
             let rotations = rotations.into_iter().flatten().collect();
             targets.push(JointTarget { source, joint: effector.joint, samples: range, positions, rotations });
         }
         if let Some((joint, [from, to])) = reach.met_by(stage, who) {
             let range = within(samples, from, to);
-            let own = |time: f64| reach.own_time(stage, time);
-            let positions = samples[range.clone()].iter().map(|time| reach.aim(stage, &rest, own(*time)).0);
+            let aims = samples[range.clone()].iter();
+            let positions = aims.map(|time| reach.met_at(stage, others, reach.own_time(stage, *time)));
             let (positions, rotations) = (positions.collect(), Vec::new());
             targets.push(JointTarget { source, joint, samples: range, positions, rotations });
         }
@@ -155,7 +187,7 @@ pub fn effector_residuals<P: Performance>(stage: &Stage<'_, P>, result: &impl Pe
         let mut miss = Miss::default();
         for time in samples(stage, ends(stage, &effector.when), reach.own) {
             let own = joint_at((stage.scene, result), reach.own, effector.joint, time);
-            let partner = reach.partner(stage, result, time).0;
+            let partner = reach.partner(stage, result, time);
             miss.metres = miss.metres.max(own.position.distance(partner.position));
             if let Some(rotation) = reach.rotation(stage, &rest, (partner.rotation, time)) {
                 let off = log(own.rotation.inverse() * rotation).length();
@@ -168,8 +200,7 @@ pub fn effector_residuals<P: Performance>(stage: &Stage<'_, P>, result: &impl Pe
 }
 
 /// Largest distance of a hand in `result` from where it holds what it carries, for each carry, metres: at both ends, on all
-/// ticks of the scene's clock within, and at all moments within that constrain the same carrier. Hands may turn on what
-/// they hold. Cost: linear in samples and joints.
+/// ticks of the scene's clock within, and at all moments within that constrain the same carrier. Cost: linear in samples and joints.
 pub fn carry_residuals<P: Performance>(stage: &Stage<'_, P>, result: &impl Performance) -> Vec<f64> {
     let mut worst = vec![0.0_f64; stage.scene.carries.len()];
     for (motion, span) in
@@ -201,7 +232,7 @@ fn samples<P: Performance>(stage: &Stage<'_, P>, [from, to]: [f64; 2], who: Char
 }
 
 /// Samples from one time to another, both included.
-fn within(samples: &[f64], from: f64, to: f64) -> Range<usize> {
+pub fn within(samples: &[f64], from: f64, to: f64) -> Range<usize> {
     let first = samples.partition_point(|time| *time < from - AT_MOMENT);
     first..samples.partition_point(|time| *time <= to + AT_MOMENT).max(first)
 }
@@ -249,50 +280,77 @@ struct Reach<'a> {
 }
 
 impl Reach<'_> {
-    /// What is reached at an own time, with its axes, joints of others as in `result`; and whether it comes to meet the joint.
+    /// What is reached at an own time, with its axes, joints of others as in `result`.
     fn partner<P: Performance>(
         &self,
         stage: &Stage<'_, P>,
         result: &impl Performance,
         time: f64,
-    ) -> (JointFrame, bool) {
+    ) -> JointFrame {
         match &self.effector.target {
-            EffectorTarget::World(position) => {
-                (JointFrame { position: *position, rotation: DQuat::IDENTITY }, false)
-            }
+            EffectorTarget::World(position) => JointFrame { position: *position, rotation: DQuat::IDENTITY },
             EffectorTarget::Object { object, point } => {
                 let pose = stage.objects[object.as_usize()].pose_at(stage.scene, stage.performance, time);
-                (JointFrame { position: pose.apply(*point), rotation: yaw(pose.facing) }, false)
+                JointFrame { position: pose.apply(*point), rotation: yaw(pose.facing) }
             }
             EffectorTarget::Joint { character, joint, point, when } => {
                 let theirs = when
                     .as_ref()
                     .map_or(time, |other| paired_time(stage, (&self.effector.when, other), time));
-                let hands = is_hand(stage.scene, self.own, self.effector.joint)
-                    && is_hand(stage.scene, *character, *joint);
                 let reached = joint_at((stage.scene, result), *character, *joint, theirs);
-                let position = reached.position + reached.rotation * *point;
-                (JointFrame { position, ..reached }, hands && *point == DVec3::ZERO)
+                JointFrame { position: reached.position + reached.rotation * *point, ..reached }
             }
         }
     }
 
     /// Where the joint must be at an own time, and how turned where that is held.
-    fn aim<P: Performance>(
+    fn aim<P: Performance, Q: Performance>(
         &self,
-        stage: &Stage<'_, P>,
-        rest: &Stage<'_, AtRest<'_>>,
+        (stage, rest): (&Stage<'_, P>, &Stage<'_, AtRest<'_>>),
+        others: &Others<'_, Q>,
         time: f64,
     ) -> (DVec3, Option<DQuat>) {
-        let (partner, meets) = self.partner(stage, stage.performance, time);
-        let position = if meets {
-            joint_at((stage.scene, stage.performance), self.own, self.effector.joint, time)
-                .position
-                .midpoint(partner.position)
-        } else {
-            partner.position
+        let partner = self.partner(stage, others.performance, time);
+        let comes = match self.effector.target {
+            EffectorTarget::Joint { character, .. } => {
+                self.meets(stage.scene) && !(others.corrected)(character)
+            }
+            _ => false,
         };
+        let position = if comes { self.middle(stage, time) } else { partner.position };
         (position, self.rotation(stage, rest, (partner.rotation, time)))
+    }
+
+    /// Where the hand that comes to meet this one must be at a time of this one: where this one is, once that is told.
+    fn met_at<P: Performance, Q: Performance>(
+        &self,
+        stage: &Stage<'_, P>,
+        others: &Others<'_, Q>,
+        time: f64,
+    ) -> DVec3 {
+        if (others.corrected)(self.own) {
+            joint_at((stage.scene, others.performance), self.own, self.effector.joint, time).position
+        } else {
+            self.middle(stage, time)
+        }
+    }
+
+    /// Between two hands that meet, at an own time, as nobody is corrected.
+    fn middle<P: Performance>(&self, stage: &Stage<'_, P>, time: f64) -> DVec3 {
+        let own = joint_at((stage.scene, stage.performance), self.own, self.effector.joint, time);
+        own.position.midpoint(self.partner(stage, stage.performance, time).position)
+    }
+
+    /// Whether the joint is a hand and what it reaches another, which comes to meet it.
+    fn meets(&self, scene: &Scene) -> bool {
+        match &self.effector.target {
+            EffectorTarget::Joint { character, joint, point, .. } => {
+                let hands =
+                    is_hand(scene, self.own, self.effector.joint) && is_hand(scene, *character, *joint);
+                hands && *point == DVec3::ZERO
+            }
+            _ => false,
+        }
     }
 
     /// How the joint must be turned at an own time, where that is held and what it reaches has the axes `partner`.
@@ -308,7 +366,7 @@ impl Reach<'_> {
                 let before = rest.performance.time(self.own, stage.performance.frame(self.own, time));
                 let own =
                     joint_at((rest.scene, rest.performance), self.own, self.effector.joint, before).rotation;
-                let reached = self.partner(rest, rest.performance, before).0.rotation;
+                let reached = self.partner(rest, rest.performance, before).rotation;
                 Some(partner * (reached.inverse() * own))
             }
         }
@@ -316,13 +374,11 @@ impl Reach<'_> {
 
     /// The hand of `who` that comes to meet the joint, and from when to when.
     fn met_by<P: Performance>(&self, stage: &Stage<'_, P>, who: CharacterId) -> Option<(JointId, [f64; 2])> {
-        let EffectorTarget::Joint { character, joint, point, when } = &self.effector.target else {
+        let EffectorTarget::Joint { character, joint, when, .. } = &self.effector.target else {
             return None;
         };
-        let hands =
-            is_hand(stage.scene, self.own, self.effector.joint) && is_hand(stage.scene, *character, *joint);
         let times = ends(stage, when.as_ref().unwrap_or(&self.effector.when));
-        (hands && *point == DVec3::ZERO && *character == who).then_some((*joint, times))
+        (*character == who && self.meets(stage.scene)).then_some((*joint, times))
     }
 
     /// The own time that goes with a time of the partner.

@@ -12,7 +12,7 @@ use cotillion::object::ObjectPose;
 use cotillion::object_motion::{ObjectMotion, Owner, Performance, object_motions, skeleton_of};
 use cotillion::resample::resample;
 use cotillion::scene::{ClipFolders, Scene, load};
-use cotillion::skeleton::JointRole;
+use cotillion::skeleton::{JointRole, Pose, Skeleton};
 use glam::DVec3;
 use libtest_mimic::{Arguments, Failed, Trial};
 
@@ -274,13 +274,39 @@ fn hands(played: &Played<'_>) -> Result<(), Failed> {
             let held = on_beam(played.time("sam/lift:grasp"));
             let off = outside(size, held);
             ensure(off < PALM + TOUCH, || format!("{name} grasps {off} m from the beam"))?;
+            let skeleton = skeleton_of(played.scene, who);
+            let wrist = skeleton.joint_of(hand).ok_or("no hand")?;
+            let tips = |time: f64| {
+                let pose = played.bodies.pose(who, played.bodies.frame(who, time));
+                let tips = hand_points(skeleton, &pose, wrist);
+                tips.into_iter().map(|tip| played.object_at(beam, time).local(tip)).collect::<Vec<_>>()
+            };
+            let held = tips(played.time("sam/lift:grasp"));
+            ensure(held.len() > 4, || "wrists with fingers".to_owned())?;
             for time in &times {
-                let slip = on_beam(*time).distance(held);
+                let slips = tips(*time).into_iter().zip(&held).map(|(tip, held)| tip.distance(*held));
+                let slip = slips.fold(0.0, f64::max);
                 ensure(slip < TOUCH, || format!("{name}'s hand slips by {slip} m at {time} s"))?;
             }
         }
     }
     Ok(())
+}
+
+/// A hand and all that hangs on it: joints, and ends of their bones.
+fn hand_points(skeleton: &Skeleton, pose: &Pose, hand: JointId) -> Vec<DVec3> {
+    let frames = skeleton.forward_kinematics(pose);
+    let mut is_of_hand = vec![false; frames.len()];
+    let mut points = Vec::new();
+    for (at, joint) in skeleton.joints.iter().enumerate() {
+        is_of_hand[at] =
+            at == hand.as_usize() || joint.parent.is_some_and(|parent| is_of_hand[parent.as_usize()]);
+        if is_of_hand[at] {
+            points.push(frames[at].position);
+            points.extend(joint.end_site.map(|end| frames[at].position + frames[at].rotation * end));
+        }
+    }
+    points
 }
 
 fn beam(played: &Played<'_>) -> Result<(), Failed> {

@@ -12,7 +12,8 @@ use cotillion::geometry::c64;
 use cotillion::index::CharacterId;
 use cotillion::object_motion::{Owner, Performance, moment_time, object_motions};
 use cotillion::reach::{
-    JointTarget, Source, Stage, carry_targets, constrained_times, effector_residuals, effector_targets,
+    JointTarget, Others, Source, Stage, carry_targets, constrained_times, effector_residuals,
+    effector_targets,
 };
 use cotillion::resample::resample;
 use relay::{RELAY, load, solved};
@@ -128,6 +129,10 @@ orientation = [0, 90, 0]
 target = { object = "table", point = [0.0, 0.8, 0.1] }
 "#;
 
+fn nobody_corrected<'a>(moved: &'a Moved<'a>) -> Others<'a, Moved<'a>> {
+    Others { performance: moved, corrected: &|_| false }
+}
+
 #[test]
 fn hands_that_meet_do_so_in_the_middle() {
     let (scene, edit) = solved(SLAP);
@@ -136,7 +141,7 @@ fn hands_that_meet_do_so_in_the_middle() {
     let stage = Stage { scene: &scene, performance: &moved, objects: &objects };
     let targets = [CharacterId(0), CharacterId(1)].map(|who| {
         let samples = constrained_times(&scene, &moved, who);
-        effector_targets(&stage, who, &samples)
+        effector_targets(&stage, &nobody_corrected(&moved), who, &samples)
     });
     assert_eq!((targets[0].len(), targets[1].len()), (2, 1));
     let (ann, bob) = (&targets[0][0], &targets[1][0]);
@@ -165,7 +170,7 @@ fn a_hand_on_a_table_stays_there_and_is_turned_as_asked() {
     let objects = object_motions(&scene, &moved);
     let stage = Stage { scene: &scene, performance: &moved, objects: &objects };
     let samples: Vec<f64> = (0..60).map(|k| f64::from(k) / 30.0).collect();
-    let targets = effector_targets(&stage, CharacterId(0), &samples);
+    let targets = effector_targets(&stage, &nobody_corrected(&moved), CharacterId(0), &samples);
     let table = targets.iter().find(|target| target.source == Source::EndEffector(1)).expect("a target");
     assert!(table.samples.len() > 30 && table.positions.len() == table.samples.len());
     // Its right is +z of the world.
