@@ -179,7 +179,11 @@ fn touches(played: &Played<'_>) -> Result<(), Failed> {
         let off = hand.distance(played.role(onto, role, played.time(&format!("{whom}:{tapped}"))));
         ensure(off < TOUCH, || format!("{who} misses {whom} by {off} m"))?;
     }
-    Ok(())
+    // Nobody has to leave a place for that.
+    let hard = played.report.constraints.iter().filter(|constraint| constraint.strength == "hard");
+    let left =
+        hard.filter(|constraint| constraint.unit == "m").find(|constraint| constraint.residual > TOUCH);
+    ensure(left.is_none(), || format!("{left:?}"))
 }
 
 fn above(played: &Played<'_>) -> Result<(), Failed> {

@@ -255,3 +255,20 @@ fn reaches_and_hand_overs_that_nothing_ties_are_warned_of() {
     let messages = warned(&alone);
     assert!(messages.iter().any(|message| message.contains("happen together")), "{messages:?}");
 }
+
+#[test]
+fn a_carrier_whom_nothing_brings_near_is_warned_of() {
+    let scene = |position: &str, relative: &str| {
+        let warned = load(&format!(
+            "[clips]\npick_up = \"builtin:pick_up\"\n[[character]]\nname = \"ann\"\ntrack = [\"pick_up\"]
+            [[object]]\nname = \"box\"\nsize = [0.3, 0.3, 0.3]\nposition = {position}
+            [[carry]]\nobject = \"box\"\nby = [\"ann\"]\nduring = [\"ann:grasp\", \"ann:end\"]\n{relative}"
+        ));
+        warned.warnings.into_iter().map(|warning| warning.message).collect::<Vec<_>>()
+    };
+    let relative = "[[relative]]\nat = \"ann:grasp\"\nto = \"box\"\noffset = [-0.58, 0.0]\n";
+    assert_eq!(scene("[0.6, 0.0]", ""), [""; 0], "she stands before it anyway");
+    assert_eq!(scene("[9.0, 9.0]", relative), [""; 0]);
+    let lonely = scene("[9.0, 9.0]", "");
+    assert!(lonely.len() == 1 && lonely[0].contains("nothing brings \"ann\" near"), "{lonely:?}");
+}

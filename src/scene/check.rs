@@ -5,7 +5,9 @@ use std::path::Path;
 use std::sync::Arc;
 
 use crate::constraint::Instant;
+use crate::object::Object;
 use crate::scene::bodies::Bodies;
+use crate::scene::busy::Performers;
 use crate::scene::checker::{Checked, check_intervals, plan_point};
 use crate::scene::clips::{self, ClipFolders, Declared, Folders, check_name, within};
 use crate::scene::constraints;
@@ -14,7 +16,7 @@ use crate::scene::report::{At, Lines, Place, Report};
 use crate::scene::tree::Field;
 use crate::scene::values;
 use crate::scene::{
-    Character, FullBody, Mode, Plants, Scene, Warp, effectors, objects, raw, refuse, things, ties,
+    Character, FullBody, Mode, Plants, Scene, Warp, busy, objects, raw, refuse, things, ties,
 };
 use crate::track::{Protected, SeamChoice, Track};
 
@@ -41,7 +43,7 @@ pub fn check(
     };
     ties::warn_of_untied(&checked, &cast, report);
     objects::check_order(&checked, &cast, report);
-    let characters = characters(raw, &cast, &checked, report);
+    let characters = characters(raw, &cast, (&checked, &objects), report);
     Scene {
         title: raw.title.value().cloned().unwrap_or_else(|| {
             path.file_stem().map_or_else(String::new, |stem| stem.to_string_lossy().into_owned())
@@ -167,7 +169,12 @@ fn article(noun: &str) -> String {
 }
 
 /// Everybody whose track can be strung.
-fn characters(raw: &raw::Scene, cast: &[Member], checked: &Checked, report: &mut Report) -> Vec<Character> {
+fn characters(
+    raw: &raw::Scene,
+    cast: &[Member],
+    (checked, objects): (&Checked, &[Object]),
+    report: &mut Report,
+) -> Vec<Character> {
     let tracks: Vec<Option<Track>> = raw
         .character
         .tables()
@@ -177,7 +184,9 @@ fn characters(raw: &raw::Scene, cast: &[Member], checked: &Checked, report: &mut
         .map(|((character, member), protected)| track(&character.value, member, &protected, report))
         .collect();
     check_intervals(checked, cast, &tracks, report);
-    effectors::warn_of_lonely(checked, &tracks, report);
+    let performers = Performers { cast, tracks: &tracks };
+    busy::check_hands(checked, &performers, report);
+    busy::warn_of_lonely(checked, objects, &performers, report);
     cast.iter()
         .zip(tracks)
         .filter_map(|(member, track)| {

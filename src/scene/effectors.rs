@@ -2,20 +2,17 @@
 
 use glam::{DQuat, DVec3};
 
-use crate::constraint::{Constraint, ConstraintKind, Moment, Partner, Relation, When};
+use crate::constraint::When;
 use crate::effector::{EffectorTarget, EndEffector, Orientation};
 use crate::index::{CharacterId, JointId};
-use crate::scene::checker::{Checked, Checker, FARTHEST, Head};
-use crate::scene::report::{At, Place, Report};
+use crate::scene::checker::{Checker, FARTHEST, Head};
+use crate::scene::objects::no_hand;
+use crate::scene::report::{At, Place};
 use crate::scene::suggest;
 use crate::scene::things;
 use crate::scene::tree::Field;
 use crate::scene::values::{OneOrPair, Triple, Turn, WordOr};
 use crate::skeleton::{JointRole, Skeleton};
-use crate::track::Track;
-
-/// A place held this near to what a hand reaches brings the body there, working frames: a second.
-const NEAR: f64 = 30.0;
 
 /// How to write a target.
 const TARGETS: &str = "write { position = [x, y, z] }, { object = \"NAME\", point = [x, y, z] }, \
@@ -54,6 +51,12 @@ impl Checker<'_> {
         if let Some(found) = by_role.or_else(|| skeleton.joint_named(&joint.value)) {
             return Some(found);
         }
+        let message = format!("\"{}\" has no joint \"{}\"", self.cast[who.as_usize()].name, joint.value);
+        if let Some(hand @ (JointRole::LeftHand | JointRole::RightHand)) = JointRole::named(&joint.value) {
+            let help = no_hand(skeleton, hand);
+            self.report.fault(&joint.place, message, help);
+            return None;
+        }
         let mut roles: Vec<&str> =
             skeleton.joints.iter().filter_map(|joint| joint.role.map(JointRole::name)).collect();
         roles.sort_unstable();
@@ -61,7 +64,6 @@ impl Checker<'_> {
         let meant = suggest::closest(&joint.value, roles.iter().copied().chain(names));
         let meant = meant.map_or(String::new(), |meant| format!("did you mean \"{meant}\"? "));
         let help = format!("{meant}roles: {}; or the name of a joint in its file", suggest::list(&roles));
-        let message = format!("\"{}\" has no joint \"{}\"", self.cast[who.as_usize()].name, joint.value);
         self.report.fault(&joint.place, message, help);
         None
     }
@@ -170,41 +172,5 @@ fn orientation(given: &Field<Turn>) -> Option<Orientation> {
             let turn = DQuat::from_rotation_z(z) * DQuat::from_rotation_y(y) * DQuat::from_rotation_x(x);
             Some(Orientation::Given(turn))
         }
-    }
-}
-
-/// Warns of joints that must reach something while nothing brings their bodies near. `tracks`: of the cast.
-pub fn warn_of_lonely(checked: &Checked, tracks: &[Option<Track>], report: &mut Report) {
-    let frame = |moment: &Moment| tracks.get(moment.character.as_usize())?.as_ref()?.locate(moment.instant);
-    let ends = |when: &When| {
-        let frames: Option<Vec<f64>> = when.moments().into_iter().map(frame).collect();
-        frames.map(|frames| (when.character(), frames[0], frames[frames.len() - 1]))
-    };
-    let placed: Vec<_> = checked.constraints.iter().flat_map(placed).filter_map(ends).collect();
-    for (effector, place) in checked.end_effectors.iter().zip(&checked.effector_places) {
-        let Some((who, first, last)) = ends(&effector.when) else {
-            continue;
-        };
-        let near = |known: &(CharacterId, f64, f64)| {
-            known.0 == who && known.1 <= last + NEAR && known.2 >= first - NEAR
-        };
-        if !placed.iter().any(near) {
-            let message = format!("nothing brings the body near what \"{}\" reaches", effector.name);
-            report.warn(place, message, "add a [[pin]] or a [[relative]] at this moment");
-        }
-    }
-}
-
-/// When a constraint holds a place: of whoever it is about, and of the partner.
-fn placed(constraint: &Constraint) -> Vec<&When> {
-    match &constraint.kind {
-        ConstraintKind::Pin { when, position: Some(_), .. } => vec![when],
-        ConstraintKind::Relative { when, partner, offset, .. } if *offset != Relation::Free => {
-            match partner {
-                Partner::Character(other) => vec![when, other],
-                Partner::Object(_) => vec![when],
-            }
-        }
-        _ => Vec::new(),
     }
 }

@@ -2,6 +2,7 @@
 
 pub mod annotations;
 pub mod bodies;
+pub mod busy;
 pub mod check;
 pub mod checker;
 pub mod clips;

@@ -12,7 +12,7 @@ use crate::scene::suggest;
 use crate::scene::tree::Field;
 use crate::scene::values::{Tables, WordOr};
 use crate::scene::{raw, things};
-use crate::skeleton::JointRole;
+use crate::skeleton::{JointRole, Skeleton};
 
 /// All objects that are sound.
 pub fn objects(raw: &raw::Scene, report: &mut Report) -> Vec<Object> {
@@ -166,8 +166,7 @@ impl Checker<'_> {
         };
         if let Some(hand) = hands.into_iter().find(|hand| skeleton.joint_of(*hand).is_none()) {
             let message = format!("\"{name}\" has no joint for {hand} and cannot carry");
-            let help = format!("name it in the table of the clip: roles = {{ {hand} = \"JOINT\" }}");
-            self.report.fault(place, message, help);
+            self.report.fault(place, message, no_hand(skeleton, hand));
         }
     }
 
@@ -182,6 +181,20 @@ impl Checker<'_> {
             self.report.fault(place, format!("no character \"{name}\""), help);
         }
         None
+    }
+}
+
+/// What to do where a skeleton has no joint for a hand.
+pub fn no_hand(skeleton: &Skeleton, hand: JointRole) -> String {
+    let elbow = if hand == JointRole::LeftHand { JointRole::LeftElbow } else { JointRole::RightElbow };
+    let elbow = skeleton.joint_of(elbow);
+    let goes_on = |elbow| skeleton.joints.iter().any(|joint| joint.parent == Some(elbow));
+    match elbow {
+        Some(elbow) if !goes_on(elbow) => {
+            let name = &skeleton.joints[elbow.as_usize()].name;
+            format!("its arms end at \"{name}\": give the character a body with hands, skeleton = \"CLIP\"")
+        }
+        _ => format!("name it in the table of the clip: roles = {{ {hand} = \"JOINT\" }}"),
     }
 }
 
