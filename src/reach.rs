@@ -70,7 +70,8 @@ pub fn constrained_times(scene: &Scene, performance: &impl Performance, who: Cha
     times
 }
 
-/// Targets of a character's hands while they carry: of the wrists; how they are turned is left to the motion. `samples`: scene times, rising. Cost: linear in samples and joints.
+/// Targets of a character's hands while they carry: of the wrists; how they are turned is left to the motion. `samples`:
+/// scene times, rising. Cost: linear in samples and joints.
 pub fn carry_targets<P: Performance>(
     stage: &Stage<'_, P>,
     who: CharacterId,
