@@ -189,7 +189,7 @@ impl fmt::Display for ReadNote {
 }
 
 impl ReadNote {
-    /// What is told of frames, rates and sizes that cannot be right.
+    /// What is told of frames and sizes that cannot be right.
     fn doubt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::ValuesFilledIn { frames } => {
@@ -208,10 +208,6 @@ impl ReadNote {
                 "joints depart and come back in {frames} of {of} frames: the angles or the rate are wrong; give `fps`, or \
                  export the file again"
             ),
-            Self::RateRounded { written, fps } => write!(
-                f,
-                "the frame time means {fps} frames a second, though its few digits say {written:.1}; give `fps` to settle it"
-            ),
             Self::OddSize { metres } => {
                 write!(f, "the body measures {metres:.3} m: its unit is wrong, or it is no body; give `unit`")
             }
@@ -228,12 +224,6 @@ impl ReadNote {
                 "the body jumps farther than it can: before {}; give `frames` to leave it out",
                 frame_list(frames)
             ),
-            Self::RateAssumed { fps } => {
-                write!(
-                    f,
-                    "the file does not state its rate, {fps} frames a second taken; give `fps` to settle it"
-                )
-            }
             Self::RotationsScaled { frames, length } => write!(
                 f,
                 "quaternions of length {length:.2} instead of 1 were scaled: {}; the motion was edited by hand there",
@@ -244,6 +234,25 @@ impl ReadNote {
                 "frames that last longer or shorter than the others were taken to last as long: {}",
                 frame_list(frames)
             ),
+            _ => self.doubtful_rate(f),
+        }
+    }
+}
+
+impl ReadNote {
+    /// What is told of rates that were guessed or cannot be right.
+    fn doubtful_rate(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::RateRounded { written, fps } => write!(
+                f,
+                "the frame time means {fps} frames a second, though its few digits say {written:.1}; give `fps` to settle it"
+            ),
+            Self::RateAssumed { fps } => {
+                write!(
+                    f,
+                    "the file does not state its rate, {fps} frames a second taken; give `fps` to settle it"
+                )
+            }
             Self::DoubtfulFall { gravity, fps, likely_fps } => write!(
                 f,
                 "the body falls with {gravity:.1} m/s² at {fps} frames a second: with {likely_fps:.0} it would fall as bodies do; \

@@ -6,6 +6,7 @@
 
 mod bend;
 mod clips;
+mod hands;
 mod measure;
 mod tear;
 
@@ -14,12 +15,11 @@ use std::path::{Path, PathBuf};
 
 use bend::{Bend, bent};
 use clips::{CLIPS, ON_HANDS, OTHERS, RAISED, Stretch, WINDING, Walk, load, stretches};
-use cotillion::clip::contacts::{ContactPoint, Contacts, contact_point, runs};
-use cotillion::full_body::chain::arms;
+use cotillion::clip::contacts::{ContactPoint, Contacts, runs};
 use cotillion::full_body::plants::{FEET, bearing};
-use cotillion::full_body::{BodyInput, Effector, PlantMode, PlantedPoint, Refined, Target, refine};
-use cotillion::skeleton::{Pose, Skeleton};
-use glam::DVec3;
+use cotillion::full_body::{BodyInput, PlantMode, PlantedPoint, Refined, refine};
+use cotillion::skeleton::Pose;
+use hands::{bears_on_hands, reaches};
 use libtest_mimic::{Arguments, Failed, Trial};
 use measure::{
     below_ground, beyond_limits, bone_change, height_change, knee_acceleration, largest_change, slide,
@@ -266,46 +266,6 @@ impl Measures {
     }
 }
 
-/// Every stated contact keeps the capture's drift, which it would not if nothing were done.
-fn bears_on_hands(folder: &Path, file: &str) -> Result<(), Failed> {
-    let walk = load(folder, file)?;
-    let stretch = walk.stretch((0, walk.poses.len() - 1));
-    let stated = ON_HANDS.iter().find(|(name, _)| *name == file).map_or(0, |(_, stated)| stated.len());
-    let is_hand =
-        |plant: &&PlantedPoint| matches!(plant.point, ContactPoint::LeftHand | ContactPoint::RightHand);
-    let (mut worst, mut untreated) = (0.0_f64, 0.0_f64);
-    for edit in EDITS {
-        let moved = bent(&stretch, edit);
-        let result = refined(&stretch, &moved, PlantMode::AsCaptured);
-        let hands: Vec<&PlantedPoint> = result.report.plants.iter().filter(is_hand).collect();
-        if hands.len() != stated {
-            return Err(format!("{hands:?} of {stated}").into());
-        }
-        for hand in hands {
-            worst = worst.max((hand.drift - hand.captured_drift).abs());
-            untreated = untreated.max(drift_without(&stretch, &moved, hand));
-        }
-    }
-    tell(&format!("{file} hands drift {worst:e} m more than captured, {untreated:.3} m untreated"));
-    if worst < DRIFT && untreated > DRIFT {
-        return Ok(());
-    }
-    Err(format!("{worst} m beyond the captured drift, {untreated} m untreated").into())
-}
-
-/// By how much more a hand drifts where nothing is done about it, metres.
-fn drift_without(stretch: &Stretch, moved: &[Pose], hand: &PlantedPoint) -> f64 {
-    let skeleton = stretch.walk.skeleton();
-    let Some(at) = contact_point(skeleton, hand.point) else { return 0.0 };
-    let places: Vec<DVec3> = moved[hand.first..=hand.last]
-        .iter()
-        .map(|pose| at.place(&skeleton.forward_kinematics(pose)))
-        .collect();
-    let mean = places.iter().sum::<DVec3>() / places.len() as f64;
-    let drift = places.iter().map(|place| place.distance(mean)).fold(0.0, f64::max);
-    drift - hand.captured_drift
-}
-
 /// Some contact is on ground a hand's breadth or more above the floor.
 fn stands_off_the_floor(folder: &Path, file: &str) -> Result<(), Failed> {
     let walk = load(folder, file)?;
@@ -315,53 +275,6 @@ fn stands_off_the_floor(folder: &Path, file: &str) -> Result<(), Failed> {
 
 /// Metres.
 const HANDBREADTH: f64 = 0.1;
-
-/// Twice on the way each hand is for a fifth of a second a little higher and nearer to its shoulder than it would be, which
-/// arms reach.
-fn reaches(folder: &Path, file: &str) -> Result<(), Failed> {
-    let walk = load(folder, file)?;
-    let skeleton = walk.skeleton();
-    let mut faults = Vec::new();
-    for edit in EDITS {
-        for frames in edited(&walk, edit) {
-            let stretch = walk.stretch(frames);
-            let moved = bent(&stretch, edit);
-            let input = BodyInput {
-                times: stretch.times.clone(),
-                rest: stretch.rest.to_vec(),
-                contacts: stretch.contacts.to_vec(),
-                effectors: reaching(skeleton, &refined(&stretch, &moved, PlantMode::AsCaptured).poses),
-                moved,
-            };
-            let result = refine(skeleton, &input, PlantMode::AsCaptured);
-            let bones = bone_change(skeleton, stretch.rest, &result.poses);
-            if !result.report.shortfalls.is_empty() || bones > BONES {
-                faults.push(format!("{frames:?} {}: {:?}", edit.name(), result.report.shortfalls));
-            }
-        }
-    }
-    if faults.is_empty() { Ok(()) } else { Err(faults.join("\n").into()) }
-}
-
-/// Frames that a hand is somewhere.
-const HELD: usize = 6;
-
-fn reaching(skeleton: &Skeleton, poses: &[Pose]) -> Vec<Effector> {
-    let limbs = arms(skeleton).into_iter().flatten();
-    let ends = limbs.flat_map(|limb| {
-        let target = move |pose: &Pose| {
-            let place = limb.place(skeleton, pose).limb;
-            let nearer = (place.upper - place.lower) * 0.1;
-            Target { position: place.lower + nearer + DVec3::Y * 0.05, rotation: None }
-        };
-        let starts = [poses.len() / 3, 2 * poses.len() / 3];
-        starts.map(move |first| {
-            let held = poses.iter().skip(first).take(HELD);
-            Effector { joint: limb.lower, first, targets: held.map(target).collect() }
-        })
-    });
-    ends.collect()
-}
 
 fn stays_untouched(folder: &Path, file: &str) -> Result<(), Failed> {
     let walk = load(folder, file)?;
