@@ -34,7 +34,7 @@ pub use crate::full_body::effector::{Effector, Target};
 use crate::full_body::feet::{FADE, Leg};
 use crate::full_body::hierarchical::{CLOSE, KNOTS, blended, bring, level, sample};
 use crate::full_body::reach::{Demand, Demands, drops, within_reach};
-pub use crate::full_body::report::{BodyReport, JointChange, PlantedPoint, Shortfall};
+pub use crate::full_body::report::{BodyReport, JointChange, PlantedPoint, Shortfall, WholeContact};
 use crate::skeleton::{Pose, Skeleton};
 
 /// One character at successive moments: output frames, and constrained moments between them.

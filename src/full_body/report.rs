@@ -22,8 +22,28 @@ pub struct BodyReport {
     pub root_drop: f64,
     /// Largest change of a joint's angle; `None` where none changed.
     pub largest_change: Option<JointChange>,
-    /// Every contact of a point of a foot, and of a hand.
+    /// Every stretch in which a point of a foot, or a hand, is planted.
     pub plants: Vec<PlantedPoint>,
+    /// Every whole contact of such a point, whether or not it is planted all along.
+    pub contacts: Vec<WholeContact>,
+}
+
+/// A contact of a point of a foot, or of a hand, from its first to its last sample.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct WholeContact {
+    /// Which point.
+    pub point: ContactPoint,
+    /// First sample.
+    pub first: usize,
+    /// Last sample.
+    pub last: usize,
+    /// Share of its samples at which the point is planted: fewer than all where feet are pinned, which hold what stands
+    /// still, and about targets for a foot that bears.
+    pub held: f64,
+    /// Largest distance from its mean place as captured, metres …
+    pub captured_drift: f64,
+    /// … and in the result.
+    pub drift: f64,
 }
 
 /// A joint that does not get where it must be.
@@ -77,6 +97,7 @@ pub(super) fn report(
         root_drop: shifts().map(|shift| -shift.y).fold(0.0, f64::max),
         largest_change: largest_change(&input.moved, poses),
         plants: plants(skeleton, &input.rest, planted, poses),
+        contacts: whole_contacts(skeleton, input, planted, poses),
     }
 }
 
@@ -142,6 +163,21 @@ fn plants(skeleton: &Skeleton, rest: &[Pose], planted: &[Contacts], poses: &[Pos
         }
     }
     found
+}
+
+fn whole_contacts(
+    skeleton: &Skeleton,
+    input: &BodyInput,
+    planted: &[Contacts],
+    poses: &[Pose],
+) -> Vec<WholeContact> {
+    let whole = |plant: PlantedPoint| {
+        let PlantedPoint { point, first, last, captured_drift, drift } = plant;
+        let held = planted[first..=last].iter().filter(|contact| contact.at(point)).count();
+        let held = held as f64 / (last + 1 - first) as f64;
+        WholeContact { point, first, last, held, captured_drift, drift }
+    };
+    plants(skeleton, &input.rest, &input.contacts, poses).into_iter().map(whole).collect()
 }
 
 /// Largest distance of places from their mean, metres.
