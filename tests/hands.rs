@@ -252,11 +252,11 @@ fn where_a_short_arm_does_not_reach_the_middle_the_longer_one_comes_to_it() {
 #[test]
 fn bodies_are_reached_where_they_come_to_be() {
     let low = "[[end_effector]]\nat = \"bob/long_clap:hit\"\njoint = \"left_hand\"
-        target = { character = \"ann\", joint = \"left_knee\", at = \"ann/clap:hit\" }\n";
+        target = { character = \"ann\", joint = \"left_hip\", at = \"ann/clap:hit\" }\n";
     let chest = "[[end_effector]]\nat = \"ann/clap:hit\"\njoint = \"right_hand\"
         target = { character = \"bob\", joint = \"chest\", point = [0.0, 0.1, 0.15], at = \"bob/long_clap:hit\" }\n";
-    let scene = face_to_face(1.75, 0.75);
-    // Bob bends down to ann's knee, and she reaches for his chest: either order of the file, and both know each other.
+    let scene = face_to_face(1.75, 0.55);
+    // Bob stoops to ann's hip, and she reaches for his chest: either order of the file, and both know each other.
     for ends in [[low, chest], [chest, low]] {
         let (miss, _) = misses(&(scene.clone() + &ends.concat()));
         assert!(miss.iter().all(|miss| *miss < REACHED), "{miss:?}");
