@@ -4,7 +4,7 @@ use std::path::Path;
 
 use cotillion::edit::Editor;
 use cotillion::embody::embody;
-use cotillion::export::body_report::FullBodyReport;
+use cotillion::export::body_report::{DriftReport, FullBodyReport};
 use cotillion::export::report::{Report, RestEdited, report};
 use cotillion::resample::resample;
 use cotillion::scene::{ClipFolders, load_text};
@@ -121,6 +121,9 @@ fn a_body_tells_its_largest_turn_and_which_contacts_hold() {
     assert!((0.0..4.1).contains(&change.time), "{change:?}");
     let drift = pinned.largest_drift.expect("feet are planted");
     assert!(drift.result < drift.captured + ROUNDING && drift.from < drift.to, "{drift:?}");
+    let whole = pinned.contact_drift.expect("feet bear");
+    let excess = |drift: &DriftReport| drift.result - drift.captured;
+    assert!(excess(&whole) >= excess(&drift) && whole.from < whole.to, "what rolls is told: {whole:?}");
     assert!(told(&format!("{unedited}{OFF}")).characters[0].full_body.is_none());
 }
 

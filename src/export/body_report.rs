@@ -4,8 +4,8 @@ use serde::Serialize;
 
 use crate::clip::contacts::ContactPoint;
 use crate::embody::{Body, Embodied};
-use crate::full_body::PlantedPoint;
 use crate::full_body::report::TOLERATED;
+use crate::full_body::{PlantedPoint, WholeContact};
 use crate::index::{CharacterId, JointId};
 use crate::object_motion::{Performance, skeleton_of};
 use crate::resample::shown_contacts_at;
@@ -20,6 +20,9 @@ pub struct FullBodyReport {
     pub contacts_held: Option<f64>,
     /// The plant that drifts farthest beyond what is captured; `null` without plants.
     pub largest_drift: Option<DriftReport>,
+    /// The whole contact that drifts farthest beyond what is captured, whether or not it is held all along (where feet are
+    /// pinned it is not); `null` without contacts.
+    pub contact_drift: Option<DriftReport>,
     /// Largest shift of the root …
     pub root_shift: f64,
     /// … and the largest one downwards.
@@ -79,7 +82,8 @@ pub fn full_body_report(embodied: &Embodied<'_>, who: CharacterId) -> Option<Ful
     Some(FullBodyReport {
         largest_change: change,
         contacts_held: contacts_held(embodied, who, body),
-        largest_drift: largest_drift(body),
+        largest_drift: farthest(body, body.report.plants.iter().copied()),
+        contact_drift: farthest(body, body.report.contacts.iter().map(WholeContact::as_plant)),
         root_shift: body.report.root_shift,
         root_drop: body.report.root_drop,
         shortfalls: shortfalls.collect(),
@@ -102,8 +106,9 @@ fn excess(plant: &PlantedPoint) -> f64 {
     plant.drift - plant.captured_drift
 }
 
-fn largest_drift(body: &Body) -> Option<DriftReport> {
-    let worst = body.report.plants.iter().max_by(|a, b| excess(a).total_cmp(&excess(b)))?;
+/// Of `plants`, the one that drifts farthest beyond what is captured.
+fn farthest(body: &Body, plants: impl Iterator<Item = PlantedPoint>) -> Option<DriftReport> {
+    let worst = plants.max_by(|a, b| excess(a).total_cmp(&excess(b)))?;
     Some(DriftReport {
         point: worst.point.keyword(),
         from: body.times[worst.first],

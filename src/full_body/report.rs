@@ -46,6 +46,14 @@ pub struct WholeContact {
     pub drift: f64,
 }
 
+impl WholeContact {
+    /// As if it were planted all along.
+    pub fn as_plant(&self) -> PlantedPoint {
+        let Self { point, first, last, captured_drift, drift, .. } = *self;
+        PlantedPoint { point, first, last, captured_drift, drift }
+    }
+}
+
 /// A joint that does not get where it must be.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Shortfall {
