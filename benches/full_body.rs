@@ -16,7 +16,8 @@ const JOINTS: usize = 31;
 
 /// `frames` frames of a walk, laid onto an arc and stretched; fingers make the generated skeleton one of 31 joints.
 fn walk(frames: u32) -> (Skeleton, BodyInput) {
-    let seconds = f64::from(frames) / 30.0;
+    // A walk has whole cycles: a little longer than asked for is enough, and the range cuts it.
+    let seconds = f64::from(frames) / 30.0 + 2.0;
     let clip = generate("walk", &[("seconds".to_owned(), seconds)].into()).expect("a known clip");
     let working = WorkingClip::new("walk", Arc::new(clip), SourceFrame(0), SourceFrame(frames - 1));
     let mut skeleton = (*working.clip.skeleton).clone();

@@ -142,7 +142,7 @@ impl Leg {
 
     /// Has the foot at each of `targets`, sample and place, whatever its plants ask for; these let go about it: a plant that
     /// is displaced otherwise than the target by `d` metres as long before and after as the foot takes for `d` at
-    /// [`RELEASED`], at most [`FADE`]. Cost: linear in targets times the samples in two fades.
+    /// `RELEASED`, at most `FADE`. Cost: linear in targets times the samples in two fades.
     pub fn bind(&mut self, times: &[f64], targets: &[(usize, EndPose)]) {
         let displacement =
             |(at, target): &(usize, EndPose)| from_to(&self.track.moved[*at].end_pose(), target);
