@@ -1,6 +1,8 @@
 //! What the scenes on real capture say of their plots, measured on the finished bodies: order and touches of the
 //! adventure, obstacles cleared, hands on the beam for two. Reported as skipped where there is no capture.
 
+mod fingers;
+
 use std::path::{Path, PathBuf};
 
 use cotillion::edit::{Edit, Editor};
@@ -12,7 +14,8 @@ use cotillion::object::ObjectPose;
 use cotillion::object_motion::{ObjectMotion, Owner, Performance, object_motions, skeleton_of};
 use cotillion::resample::resample;
 use cotillion::scene::{ClipFolders, Scene, load};
-use cotillion::skeleton::{JointRole, Pose, Skeleton};
+use cotillion::skeleton::JointRole;
+use fingers::hand_points;
 use glam::DVec3;
 use libtest_mimic::{Arguments, Failed, Trial};
 
@@ -295,22 +298,6 @@ fn hands(played: &Played<'_>) -> Result<(), Failed> {
         }
     }
     Ok(())
-}
-
-/// A hand and all that hangs on it: joints, and ends of their bones.
-fn hand_points(skeleton: &Skeleton, pose: &Pose, hand: JointId) -> Vec<DVec3> {
-    let frames = skeleton.forward_kinematics(pose);
-    let mut is_of_hand = vec![false; frames.len()];
-    let mut points = Vec::new();
-    for (at, joint) in skeleton.joints.iter().enumerate() {
-        is_of_hand[at] =
-            at == hand.as_usize() || joint.parent.is_some_and(|parent| is_of_hand[parent.as_usize()]);
-        if is_of_hand[at] {
-            points.push(frames[at].position);
-            points.extend(joint.end_site.map(|end| frames[at].position + frames[at].rotation * end));
-        }
-    }
-    points
 }
 
 fn beam(played: &Played<'_>) -> Result<(), Failed> {

@@ -1,18 +1,21 @@
 //! Hands stay on what they carry: in every output frame and at every constrained moment of a carry, however the path is
 //! bent, for one carrier and for two. Hands meet, and reach bodies where these come to be.
 
+mod fingers;
+
 use std::fmt::Write;
 use std::path::Path;
 
 use cotillion::edit::{Editor, Moved};
 use cotillion::embody::{Body, embody};
 use cotillion::geometry::cis;
-use cotillion::index::{CharacterId, JointId};
+use cotillion::index::CharacterId;
 use cotillion::object_motion::{Owner, Performance, object_motions};
 use cotillion::reach::{REACHED, Stage, carry_residuals, effector_residuals};
 use cotillion::resample::resample;
 use cotillion::scene::{ClipFolders, Scene, load_text};
-use cotillion::skeleton::{JointRole, Pose, Skeleton};
+use cotillion::skeleton::JointRole;
+use fingers::hand_points;
 use glam::DVec3;
 use proptest::prelude::*;
 
@@ -127,22 +130,6 @@ fn largest_miss(scene: &Scene) -> f64 {
     let told = carry_residuals(&stage, &embodied).into_iter().fold(0.0, f64::max);
     assert!(told >= worst - 1e-12 && told < worst + ON_THE_BOX, "{told} is told of {worst}");
     worst.max(slip)
-}
-
-/// A hand and all that hangs on it: joints, and ends of their bones.
-fn hand_points(skeleton: &Skeleton, pose: &Pose, hand: JointId) -> Vec<DVec3> {
-    let frames = skeleton.forward_kinematics(pose);
-    let mut is_of_hand = vec![false; frames.len()];
-    let mut points = Vec::new();
-    for (at, joint) in skeleton.joints.iter().enumerate() {
-        is_of_hand[at] =
-            at == hand.as_usize() || joint.parent.is_some_and(|parent| is_of_hand[parent.as_usize()]);
-        if is_of_hand[at] {
-            points.push(frames[at].position);
-            points.extend(joint.end_site.map(|end| frames[at].position + frames[at].rotation * end));
-        }
-    }
-    points
 }
 
 fn load(text: &str) -> Scene {
