@@ -6,14 +6,13 @@ use glam::DVec3;
 
 use crate::clip::contacts::Contacts;
 use crate::full_body::aim::{Mobility, solve};
-use crate::full_body::chain::{Chain, EndPose, Place, bearing_arms, legs};
+use crate::full_body::chain::{Chain, EndPose, Place};
 use crate::full_body::fade::{Slopes, Span, fill};
 use crate::full_body::knees::soften;
 use crate::full_body::limits::MOST_BENT;
-use crate::full_body::pins::{pins, spans};
-use crate::full_body::plants::{Displacement, FEET, HANDS, LegTrack, Soles, bearing, plants};
+use crate::full_body::pins::spans;
+use crate::full_body::plants::{Displacement, HANDS, LegTrack, Soles};
 use crate::full_body::reach::Demand;
-use crate::full_body::{BodyInput, PlantMode};
 use crate::geometry::{exp, log, smoothstep};
 use crate::limb::softened;
 use crate::skeleton::{Pose, Skeleton};
@@ -25,7 +24,7 @@ const NOTHING: f64 = 1e-9;
 pub const FADE: f64 = 10.0 / 30.0;
 
 /// Legs are not stretched flatter than this, share of their length, unless captured so: 20° at the knee.
-const STRETCH: f64 = 0.985;
+pub const STRETCH: f64 = 0.985;
 
 /// The body does not come down for a swinging foot that misses its way by less than this, metres: the knee gives way.
 const SWING_SLACK: f64 = 0.004;
@@ -56,67 +55,16 @@ pub struct Leg {
     pub track: LegTrack,
     /// Displacement of the foot at each sample, from where the edit of the path carries it.
     pub displacements: Vec<Displacement>,
+    /// What holds the captured foot still, before the edit; `None` where it stands as captured.
+    pub corrections: Option<Vec<Displacement>>,
     /// Samples at which the foot must be where it is displaced to.
     pub bound: Vec<bool>,
     /// When its heel and its toe are planted: as captured, or held still.
     pub planted: [Vec<bool>; 2],
     /// How far it may stretch at each sample, metres.
-    reaches: Vec<f64>,
+    pub reaches: Vec<f64>,
     /// To which side its knee bends, and how far its hip.
-    mobility: Mobility,
-}
-
-/// Plans both legs, then the arms whose hands bear; those that the skeleton lacks are left out.
-pub fn plan(skeleton: &Skeleton, input: &BodyInput, mode: PlantMode) -> Vec<Leg> {
-    let bears = |soles: &Soles| bearing(&input.contacts, *soles).concat().contains(&true);
-    let legs = legs(skeleton).into_iter().zip(FEET);
-    let arms = bearing_arms(skeleton).into_iter().zip(HANDS).filter(|(_, soles)| bears(soles));
-    let limbs = legs.chain(arms).filter_map(|(chain, soles)| Some((chain?, soles)));
-    limbs.map(|limb| plan_leg(skeleton, input, mode, limb)).collect()
-}
-
-fn plan_leg(skeleton: &Skeleton, input: &BodyInput, mode: PlantMode, (chain, soles): (Chain, Soles)) -> Leg {
-    let places = |poses: &[Pose]| poses.iter().map(|pose| chain.place(skeleton, pose)).collect();
-    let [heel, toe] = bearing(&input.contacts, soles);
-    let bound: Vec<bool> = heel.iter().zip(&toe).map(|(heel, toe)| *heel || *toe).collect();
-    let track = LegTrack { rest: places(&input.rest), moved: places(&input.moved), heel, toe };
-    let (corrections, planted) = match mode {
-        PlantMode::AsCaptured => (None, [track.heel.clone(), track.toe.clone()]),
-        PlantMode::Pinned => {
-            let pins = pins(&input.times, &track, FADE);
-            (Some(pins.corrections), [pins.heel, pins.toe])
-        }
-    };
-    let displacements = displacements(&input.times, &track, corrections.as_deref());
-    let mobility = Mobility::of(skeleton, &chain, track.rest.iter());
-    let reaches = reaches(&track, corrections.as_deref());
-    Leg { chain, soles, track, displacements, bound, planted, reaches, mobility }
-}
-
-/// Displacements of the foot in its plants; none elsewhere.
-fn displacements(times: &[f64], track: &LegTrack, corrections: Option<&[Displacement]>) -> Vec<Displacement> {
-    let mut displacements = vec![[DVec3::ZERO; 2]; track.rest.len()];
-    for plant in plants(times, track) {
-        for at in plant.span.first..=plant.span.last {
-            let mut foot = track.rest[at].end_pose();
-            if let Some(corrections) = corrections {
-                foot = displaced(&foot, &corrections[at]);
-            }
-            displacements[at] = from_to(&track.moved[at].end_pose(), &plant.carry(&foot));
-        }
-    }
-    displacements
-}
-
-/// How far the leg may stretch at each sample, metres: as captured (and held still), or nearly straight.
-fn reaches(track: &LegTrack, corrections: Option<&[Displacement]>) -> Vec<f64> {
-    let reach = |(at, place): (usize, &Place)| {
-        let limb = &place.limb;
-        let length: f64 = limb.lengths().iter().sum();
-        let held = corrections.map_or(limb.lower, |corrections| limb.lower + corrections[at][0]);
-        limb.upper.distance(limb.lower).max(limb.upper.distance(held).min(length)).max(STRETCH * length)
-    };
-    track.rest.iter().enumerate().map(reach).collect()
+    pub mobility: Mobility,
 }
 
 /// `foot`, displaced.
@@ -130,7 +78,7 @@ fn apart([shift, turn]: &Displacement, [other_shift, other_turn]: &Displacement)
 }
 
 /// What takes `from` to `to`.
-fn from_to(from: &EndPose, to: &EndPose) -> Displacement {
+pub fn from_to(from: &EndPose, to: &EndPose) -> Displacement {
     [to.position - from.position, log(to.rotation * from.rotation.inverse())]
 }
 
@@ -162,15 +110,25 @@ impl Leg {
             self.bound[other] = false;
             self.planted.iter_mut().for_each(|labels| labels[other] = false);
         }
-        for (at, displacement) in bound {
-            (self.displacements[at], self.bound[at]) = (displacement, true);
+        for (at, displacement) in &bound {
+            (self.displacements[*at], self.bound[*at]) = (*displacement, true);
+        }
+        if let Some(corrections) = self.corrections.as_mut().filter(|_| !bound.is_empty()) {
+            bound.iter().for_each(|(at, _)| corrections[*at] = [DVec3::ZERO; 2]);
+            fill(times, &spans(&self.bound), (FADE, Slopes::Level), corrections);
         }
     }
 
-    /// Carries the displacements of bound samples on into those between.
+    /// Carries the displacements of bound samples on into those between, and holds the foot still.
     pub fn fill(&mut self, times: &[f64]) {
-        let bound: Vec<Span> = spans(&self.bound);
-        fill(times, &bound, (FADE, Slopes::Kept), &mut self.displacements);
+        fill(times, &spans(&self.bound), (FADE, Slopes::Kept), &mut self.displacements);
+        let Some(corrections) = &self.corrections else { return };
+        for (at, [shift, turn]) in corrections.iter().enumerate() {
+            let [edit_shift, edit_turn] = self.displacements[at];
+            let edited = self.target(at).rotation * self.track.rest[at].lower_rotation.inverse();
+            let turn = log(exp(edited * *turn) * exp(edit_turn));
+            self.displacements[at] = [edit_shift + edited * *shift, turn];
+        }
     }
 
     /// Where the foot is to be at sample `at`.
@@ -248,20 +206,30 @@ impl Leg {
 
     /// Brings the foot to its targets in all `poses`, whose roots are shifted by `shifts`. Cost: linear.
     pub fn solve(&self, skeleton: &Skeleton, times: &[f64], shifts: &[DVec3], poses: &mut [Pose]) {
-        let (changes, free) = self.knee_changes(times, shifts);
-        for (at, pose) in poses.iter_mut().enumerate() {
-            if self.is_idle(at, shifts[at]) {
-                continue;
-            }
+        for ((at, pose), goal) in poses.iter_mut().enumerate().zip(self.goals(times, shifts)) {
+            let Some(goal) = goal else { continue };
             let place = self.track.moved[at].shifted(shifts[at]);
+            solve(&self.chain, skeleton, pose, (&place, &goal), &self.mobility);
+        }
+    }
+
+    /// Where the foot goes at each sample with the body shifted by `shifts`; `None` where nothing is asked of it.
+    pub fn goals(&self, times: &[f64], shifts: &[DVec3]) -> Vec<Option<EndPose>> {
+        let (changes, free) = self.knee_changes(times, shifts);
+        let goal = |at: usize| {
+            if self.is_idle(at, shifts[at]) {
+                return None;
+            }
             let mut target = self.target(at);
             if free[at] {
-                let goal = place.limb.span_at((place.limb.bend() + changes[at]).max(0.0));
-                let towards = (target.position - place.limb.upper).normalize_or_zero();
-                target.position = place.limb.upper + towards * goal;
+                let limb = self.track.moved[at].shifted(shifts[at]).limb;
+                let span = limb.span_at((limb.bend() + changes[at]).max(0.0));
+                let towards = (target.position - limb.upper).normalize_or_zero();
+                target.position = limb.upper + towards * span;
             }
-            solve(&self.chain, skeleton, pose, (&place, &target), &self.mobility);
-        }
+            Some(target)
+        };
+        (0..times.len()).map(goal).collect()
     }
 
     /// By how much the knee is to bend more at each sample, and where the foot is free to follow it.
@@ -300,7 +268,16 @@ type Floor = [f64; 2];
 impl Leg {
     /// How far the foot may come down at each sample before it is below the ground it leaves or comes to, metres.
     fn clearances(&self) -> Vec<f64> {
-        let heights = |at: usize| [self.track.rest[at].limb.lower.y, self.track.rest[at].end.y];
+        let heights = |at: usize| {
+            let (ankle, toe) = (self.track.rest[at].limb.lower, self.track.rest[at].end);
+            match &self.corrections {
+                None => [ankle.y, toe.y],
+                Some(corrections) => {
+                    let [shift, turn] = corrections[at];
+                    [ankle.y + shift.y, (ankle + shift + exp(turn) * (toe - ankle)).y]
+                }
+            }
+        };
         let mut clearances = vec![0.0; self.bound.len()];
         let mut before: Option<Floor> = None;
         let mut from = 0;

@@ -15,10 +15,12 @@ pub mod limits;
 pub mod aim;
 pub mod fade;
 pub mod plants;
+pub mod turning;
 pub mod pins;
 pub mod reach;
 pub mod knees;
 pub mod feet;
+pub mod plan;
 pub mod effector;
 pub mod hierarchical;
 pub mod report;
@@ -33,6 +35,7 @@ use crate::full_body::displacement::Sample;
 pub use crate::full_body::effector::{Effector, Target};
 use crate::full_body::feet::{FADE, Leg};
 use crate::full_body::hierarchical::{CLOSE, KNOTS, blended, bring, level, sample};
+use crate::full_body::plan::{Limb, Still, limbs, popped};
 use crate::full_body::reach::{Demand, Demands, drops, within_reach};
 pub use crate::full_body::report::{BodyReport, JointChange, PlantedPoint, Shortfall, WholeContact};
 use crate::skeleton::{Pose, Skeleton};
@@ -76,6 +79,9 @@ pub struct Refined {
 /// Sweeps over the place of the body: hands may pull it where feet do not reach, and the other way round.
 const SWEEPS: usize = 3;
 
+/// Rounds in which feet held still are let go where the edit makes knees pop by it.
+const RELEASES: usize = 3;
+
 /// Corrects the poses of one character. Cost: linear in moments.
 ///
 /// # Panics
@@ -84,7 +90,40 @@ pub fn refine(skeleton: &Skeleton, input: &BodyInput, mode: PlantMode) -> Refine
     let count = input.times.len();
     let lengths = [input.rest.len(), input.moved.len(), input.contacts.len()];
     assert_eq!(lengths, [count; 3], "one pose before and after the edit and one contact a moment");
-    let mut legs = feet::plan(skeleton, input, mode);
+    let limbs = limbs(skeleton, input);
+    let (legs, poses) = match mode {
+        PlantMode::AsCaptured => {
+            posed(skeleton, input, limbs.iter().map(|limb| limb.leg(&input.times)).collect())
+        }
+        PlantMode::Pinned => pinned(skeleton, input, &limbs),
+    };
+    let planted = feet::planted(&legs, &input.contacts);
+    let report = report::report(skeleton, input, (&legs, &planted), &poses);
+    Refined { poses, planted, report }
+}
+
+/// With feet held still, but for those by which the edit would make knees pop.
+fn pinned(skeleton: &Skeleton, input: &BodyInput, limbs: &[Limb]) -> (Vec<Leg>, Vec<Pose>) {
+    let mut feet: Vec<Still> = limbs.iter().map(|limb| Still::new(skeleton, input, limb)).collect();
+    let posed =
+        |feet: &[Still]| posed(skeleton, input, feet.iter().map(|foot| foot.leg(&input.times)).collect());
+    let (mut legs, mut poses) = posed(&feet);
+    for _ in 0..RELEASES {
+        let popped = popped(skeleton, &input.times, &legs, &poses);
+        let mut any = false;
+        for (foot, popped) in feet.iter_mut().zip(popped) {
+            any |= foot.release(skeleton, input, &popped);
+        }
+        if !any {
+            break;
+        }
+        (legs, poses) = posed(&feet);
+    }
+    (legs, poses)
+}
+
+/// The poses with each of `legs` where it is planned to be, and every other end where it must be.
+fn posed(skeleton: &Skeleton, input: &BodyInput, mut legs: Vec<Leg>) -> (Vec<Leg>, Vec<Pose>) {
     bind_feet(skeleton, input, &mut legs);
     let shifts = body_shifts(skeleton, input, &legs);
     let mut poses = input.moved.clone();
@@ -101,9 +140,7 @@ pub fn refine(skeleton: &Skeleton, input: &BodyInput, mode: PlantMode) -> Refine
         bring(skeleton, &input.times, limb, &effectors, &mut poses);
     }
     orient_others(skeleton, input, (&limbs, &legs), &mut poses);
-    let planted = feet::planted(&legs, &input.contacts);
-    let report = report::report(skeleton, input, (&legs, &planted), &poses);
-    Refined { poses, planted, report }
+    (legs, poses)
 }
 
 /// Effectors on feet, and on hands that bear elsewhere in time, go before their plants, which let go about them.
@@ -175,11 +212,43 @@ fn body_shifts(skeleton: &Skeleton, input: &BodyInput, legs: &[Leg]) -> Vec<DVec
         shifts = lowered(times, (&feet, &lowest), &pulled);
     }
     let exact = blended(times, &missing(&shifts));
+    let pulled: Vec<bool> =
+        pulled.iter().zip(&exact).map(|(pull, exact)| *pull + exact[0] != DVec3::ZERO).collect();
     for ((shift, exact), lowest) in shifts.iter_mut().zip(exact).zip(&lowest) {
         *shift += exact[0];
         shift.y = shift.y.max(*lowest);
     }
+    bring_back(times, &bearing_demands((legs, &feet), &lowest, &pulled), &mut shifts);
     shifts
+}
+
+/// What bearing feet ask of the body where hands have `pulled` it, by sample.
+fn bearing_demands(
+    (legs, feet): (&[Leg], &[Vec<Demand>]),
+    lowest: &[f64],
+    pulled: &[bool],
+) -> Vec<(usize, Demands)> {
+    let demands = |at: usize| {
+        let bound = legs.iter().zip(feet).filter(|(leg, _)| leg.bound[at]);
+        let feet: Vec<Demand> = bound.map(|(_, foot)| foot[at]).collect();
+        Demands { feet, others: Vec::new(), lowest: lowest[at] }
+    };
+    let pulled = (0..pulled.len()).filter(|&at| pulled[at]);
+    pulled.map(|at| (at, demands(at))).filter(|(_, demands)| !demands.feet.is_empty()).collect()
+}
+
+/// Brings a body that hands have pulled away back to where its bearing feet reach: smoothly, then exactly.
+fn bring_back(times: &[f64], bearing: &[(usize, Demands)], shifts: &mut [DVec3]) {
+    for is_exact in [false, true] {
+        let missing = |(at, demands): &(usize, Demands)| {
+            let miss = within_reach(demands, shifts[*at]) - shifts[*at];
+            (is_exact || miss.length() > CLOSE).then_some((*at, [miss]))
+        };
+        let misses: Vec<(usize, [DVec3; 1])> = bearing.iter().filter_map(missing).collect();
+        for (shift, back) in shifts.iter_mut().zip(blended(times, &misses)) {
+            *shift += back[0];
+        }
+    }
 }
 
 /// The lowest shift at each sample that leaves all knees above the ground, metres.

@@ -1,19 +1,21 @@
-//! Feet held perfectly still: which parts of a contact really stand, at which points, and what that asks of the captured foot.
+//! Feet held perfectly still: which parts of a contact stand, at which points, and what that asks of the captured foot.
 //!
-//! A heel's contact lasts until the ankle is a hand's breadth up, and old captures drift by centimetres: what is held is the
-//! part of a contact in which its point stays within a centimetre of one place. The place is the one within that part that
-//! turns the joints of the leg least; the captured foot is moved there, as little as possible.
+//! A foot lands on its heel, comes down, and rolls off over its toe: its heel's contact lasts until the ankle is a hand's
+//! breadth up, and old captures drift by centimetres. Of each contact is held what can be without turning any joint by
+//! 5°: the toe first, about which the foot may turn, then the heel with it or, before the toe is down, alone. So one
+//! point hands over to the other. Places are those that turn the joints of the leg least.
 
-use glam::{DMat3, DVec3};
+use glam::DVec3;
 
 use crate::clip::contacts::runs;
 use crate::full_body::chain::Place;
 use crate::full_body::fade::{Slopes, Span, fill};
 use crate::full_body::plants::{Displacement, LegTrack};
+use crate::full_body::turning::{Least, largest_turn, least, least_turn};
 use crate::geometry::{exp, log};
 use crate::limb::minimal_rotation;
 
-/// A point that stands stays within this distance of its place, metres.
+/// What is held is sought from where a point stays within this distance of its slowest moment, metres.
 const STILL: f64 = 0.01;
 /// No point stands that is never slower than this, m/s.
 const FASTEST: f64 = 0.25;
@@ -21,12 +23,14 @@ const FASTEST: f64 = 0.25;
 const SHORTEST: f64 = 2.0 / 30.0;
 /// Time in which the foot turns back as captured when heel or toe lift, seconds.
 const BLEND: f64 = 5.0 / 30.0;
-/// Nothing is held that would turn hip or knee farther than this, radians: 2° …
-const LARGEST_TURN: f64 = 0.035;
-/// … or the foot farther than this: 3°. Ankles add up both, and no joint may turn by 5°.
-const LARGEST_FOOT_TURN: f64 = 0.052;
-/// Passes of the search for the place of least turn.
-const PASSES: usize = 20;
+/// Nothing is held that would turn hip, knee or ankle farther than this, radians.
+pub const LARGEST_TURN: f64 = 0.084;
+/// A strained leg is held otherwise within this time, seconds.
+const NEARBY: f64 = 10.0 / 30.0;
+/// How often what is held and its place are sought in turn.
+const ROUNDS: usize = 8;
+/// Rounding of times, seconds.
+const ROUNDING: f64 = 1e-9;
 
 /// The captured foot held still.
 #[derive(Clone, Debug, PartialEq)]
@@ -39,22 +43,106 @@ pub struct Pins {
     pub toe: Vec<bool>,
 }
 
-/// Holds the feet of a leg still. `fade`: seconds in which corrections vanish outside. Cost: linear in samples times the
-/// places that a foot stands on within one contact.
-pub fn pins(times: &[f64], leg: &LegTrack, fade: f64) -> Pins {
-    let count = times.len();
-    let mut held = Held { heel: vec![None; count], toe: vec![None; count] };
-    let heels: Vec<DVec3> = leg.rest.iter().map(|place| place.limb.lower).collect();
-    let toes: Vec<DVec3> = leg.rest.iter().map(|place| place.end).collect();
-    for span in still(times, &leg.rest, &heels, &leg.heel) {
-        held.hold_heel(leg, span, least_turn(&leg.rest, &heels, span));
+/// What of a leg's foot is held, and where.
+pub struct Standing<'a> {
+    times: &'a [f64],
+    foot: Foot<'a>,
+    held: Held,
+}
+
+impl<'a> Standing<'a> {
+    /// Finds what can be held. Cost: linear in samples times the places that a foot stands on within one contact.
+    pub fn new(times: &'a [f64], leg: &'a LegTrack) -> Self {
+        let foot = Foot::new(leg);
+        let toes = toes(times, &foot, leg);
+        let held = Held { heel: heels(times, &foot, leg, &toes), toe: spread(times.len(), &toes) };
+        Self { times, foot, held }
     }
-    for span in still(times, &leg.rest, &toes, &leg.toe) {
-        held.hold_toe(leg, span, least_turn(&leg.rest, &toes, span));
+
+    /// What that asks of the captured foot. `fade`: seconds in which corrections vanish outside.
+    pub fn pins(&self, fade: f64) -> Pins {
+        let is_held = |places: &[Option<DVec3>]| places.iter().map(Option::is_some).collect();
+        Pins {
+            corrections: corrections(self.times, &self.foot, &self.held, fade),
+            heel: is_held(&self.held.heel),
+            toe: is_held(&self.held.toe),
+        }
     }
-    let corrections = corrections(times, leg, &held, fade);
-    let is_held = |places: &[Option<DVec3>]| places.iter().map(Option::is_some).collect();
-    Pins { corrections, heel: is_held(&held.heel), toe: is_held(&held.toe) }
+
+    /// Lets go of what is held where it is `refused`, or of the held samples next to there; says whether there were any.
+    pub fn release(&mut self, refused: &[bool]) -> bool {
+        let held: Vec<bool> = self.held.any();
+        let mut free = vec![false; held.len()];
+        for (at, _) in refused.iter().enumerate().filter(|(_, refused)| **refused) {
+            if held[at] {
+                free[at] = true;
+                continue;
+            }
+            let near = |other: &usize| (self.times[*other] - self.times[at]).abs() < NEARBY;
+            let before = (0..at).rev().take_while(near).find(|&other| held[other]);
+            let after = (at + 1..held.len()).take_while(near).find(|&other| held[other]);
+            before.into_iter().chain(after).for_each(|other| free[other] = true);
+        }
+        for at in (0..free.len()).filter(|&at| free[at]) {
+            (self.held.heel[at], self.held.toe[at]) = (None, None);
+        }
+        free.contains(&true)
+    }
+}
+
+/// The captured foot, and what holding its points costs.
+struct Foot<'a> {
+    places: &'a [Place],
+    heels: Vec<DVec3>,
+    toes: Vec<DVec3>,
+    heel_costs: Vec<Least>,
+    toe_costs: Vec<Least>,
+}
+
+impl<'a> Foot<'a> {
+    fn new(leg: &'a LegTrack) -> Self {
+        let places = &leg.rest;
+        let heels: Vec<DVec3> = places.iter().map(|place| place.limb.lower).collect();
+        let toes: Vec<DVec3> = places.iter().map(|place| place.end).collect();
+        let heel_costs = places.iter().map(|place| least(place, DVec3::ZERO)).collect();
+        let toe_costs = places.iter().map(|place| least(place, place.end - place.limb.lower)).collect();
+        Self { places, heels, toes, heel_costs, toe_costs }
+    }
+
+    /// What holds the toe alone at `place`: the shift of the ankle and the turn of the foot.
+    fn to_toe(&self, at: usize, place: DVec3) -> Displacement {
+        let turn = self.toe_costs[at].turn * (place - self.toes[at]);
+        [self.shift_about(at, place, turn), turn]
+    }
+
+    /// The shift of the ankle with which the toe is at `place` and the foot turned by `turn`.
+    fn shift_about(&self, at: usize, place: DVec3, turn: DVec3) -> DVec3 {
+        place - exp(turn) * (self.toes[at] - self.heels[at]) - self.heels[at]
+    }
+
+    /// What holds the heel alone.
+    fn to_heel(&self, at: usize, place: DVec3) -> Displacement {
+        let shift = place - self.heels[at];
+        [shift, self.heel_costs[at].turn * shift]
+    }
+
+    /// What holds both, as far from each other as they are on the foot.
+    fn to_both(&self, at: usize, heel: DVec3, toe: DVec3) -> Displacement {
+        let foot = self.toes[at] - self.heels[at];
+        [heel - self.heels[at], log(minimal_rotation(foot, toe - heel))]
+    }
+
+    /// Whether no joint turns too far for it.
+    fn affords(&self, at: usize, [shift, turn]: Displacement) -> bool {
+        largest_turn(&self.places[at], shift, turn) < LARGEST_TURN
+    }
+}
+
+/// A point held at a place.
+#[derive(Clone, Copy, Debug)]
+struct Hold {
+    span: Span,
+    place: DVec3,
 }
 
 /// Where heel and toe are held at each sample.
@@ -64,39 +152,86 @@ struct Held {
 }
 
 impl Held {
-    /// Holds the heel at `place` while that turns no joint by more than [`LARGEST_TURN`].
-    fn hold_heel(&mut self, leg: &LegTrack, span: Span, place: DVec3) {
-        for at in span.first..=span.last {
-            let own = &leg.rest[at];
-            if leg_turn(own, place - own.limb.lower) < LARGEST_TURN {
-                self.heel[at] = Some(place);
-            }
-        }
-    }
-
-    /// Holds the toe at `place`, but as far from the heel as it is on the foot where both are held, and only while that
-    /// turns neither foot nor leg too far. A second place of the heel within `span` ends it: one toe has
-    /// one place.
-    fn hold_toe(&mut self, leg: &LegTrack, span: Span, place: DVec3) {
-        let first_heel = self.heel[span.first..=span.last].iter().flatten().next().copied();
-        let length = leg.rest[span.first].limb.lower.distance(leg.rest[span.first].end);
-        let place = first_heel.map_or(place, |heel| heel + (place - heel).normalize_or_zero() * length);
-        for at in span.first..=span.last {
-            let own = &leg.rest[at];
-            match self.heel[at] {
-                Some(_) if self.heel[at] != first_heel => break,
-                Some(heel) if (own.end - own.limb.lower).angle_between(place - heel) > LARGEST_FOOT_TURN => {}
-                None if leg_turn(own, place - own.end) > LARGEST_TURN => {}
-                _ => self.toe[at] = Some(place),
-            }
-        }
+    fn any(&self) -> Vec<bool> {
+        self.heel.iter().zip(&self.toe).map(|(heel, toe)| heel.is_some() || toe.is_some()).collect()
     }
 }
 
-/// The stretches of `labels` in which a point stands still, [`BLEND`] apart.
-fn still(times: &[f64], places: &[Place], points: &[DVec3], labels: &[bool]) -> Vec<Span> {
-    let mut open: Vec<Span> = runs(labels).into_iter().map(|(first, last)| Span { first, last }).collect();
+fn spread(count: usize, holds: &[Hold]) -> Vec<Option<DVec3>> {
+    let mut places = vec![None; count];
+    for hold in holds {
+        places[hold.span.first..=hold.span.last].fill(Some(hold.place));
+    }
+    places
+}
+
+/// Holds of the toe alone, in the order of time.
+fn toes(times: &[f64], foot: &Foot, leg: &LegTrack) -> Vec<Hold> {
+    let affords = |at: usize, place: DVec3| foot.affords(at, foot.to_toe(at, place));
+    let place = |span: Span| least_turn(&foot.toe_costs, &foot.toes, span);
     let mut found = Vec::new();
+    for (first, last) in runs(&leg.toe) {
+        found.extend(holds(times, (&foot.toes, Span { first, last }), &place, &affords));
+    }
+    found
+}
+
+/// Where the heel is held: as far from a toe that is held as it is on the foot. From one toe's hold to the next is
+/// sought apart.
+fn heels(times: &[f64], foot: &Foot, leg: &LegTrack, toes: &[Hold]) -> Vec<Option<DVec3>> {
+    let mut held = vec![None; times.len()];
+    for (first, last) in runs(&leg.heel) {
+        let of_toes = |hold: &&Hold| hold.span.first <= last && hold.span.last >= first;
+        let mut from = first;
+        let mut zones: Vec<(Span, Option<Hold>)> = Vec::new();
+        for hold in toes.iter().filter(of_toes) {
+            let until = hold.span.last.min(last);
+            if from <= until {
+                zones.push((Span { first: from, last: until }, Some(*hold)));
+            }
+            from = times.partition_point(|time| *time <= times[until] + BLEND);
+        }
+        if from <= last {
+            zones.push((Span { first: from, last }, None));
+        }
+        for (zone, toe) in zones {
+            for hold in heels_by(times, foot, zone, toe) {
+                held[hold.span.first..=hold.span.last].fill(Some(hold.place));
+            }
+        }
+    }
+    held
+}
+
+/// Holds of the heel within `zone`, in which the toe is held by `toe` and otherwise free.
+fn heels_by(times: &[f64], foot: &Foot, zone: Span, toe: Option<Hold>) -> Vec<Hold> {
+    let at_toe = |at: usize| toe.filter(|toe| (toe.span.first..=toe.span.last).contains(&at));
+    let affords = |at: usize, place: DVec3| {
+        let displacement = match at_toe(at) {
+            Some(toe) => foot.to_both(at, place, toe.place),
+            None => foot.to_heel(at, place),
+        };
+        foot.affords(at, displacement)
+    };
+    let place = |span: Span| {
+        let place = least_turn(&foot.heel_costs, &foot.heels, span);
+        let Some(toe) = toe.filter(|toe| toe.span.first <= span.last) else { return place };
+        let length = foot.heels[span.first].distance(foot.toes[span.first]);
+        toe.place + (place - toe.place).normalize_or_zero() * length
+    };
+    holds(times, (&foot.heels, zone), &place, &affords)
+}
+
+/// The stretches of `within` in which one of `points` can be held, [`BLEND`] apart, in the order of time: about its
+/// slowest moment first. `place`: the best one for a stretch; `affords`: whether it will do at a sample.
+fn holds(
+    times: &[f64],
+    (points, within): (&[DVec3], Span),
+    place: &impl Fn(Span) -> DVec3,
+    affords: &impl Fn(usize, DVec3) -> bool,
+) -> Vec<Hold> {
+    let mut open = vec![within];
+    let mut found: Vec<Hold> = Vec::new();
     while let Some(span) = open.pop() {
         let slowest = (span.first..=span.last)
             .map(|at| (speed(times, points, at), at))
@@ -104,21 +239,51 @@ fn still(times: &[f64], places: &[Place], points: &[DVec3], labels: &[bool]) -> 
         let Some((_, at)) = slowest.filter(|(speed, _)| *speed < FASTEST) else {
             continue;
         };
-        let core = around(places, points, span, at);
-        if times[core.last] - times[core.first] > SHORTEST - ROUNDING {
-            found.push(core);
+        let hold = grown(points, (span, at), place, affords);
+        if let Some(hold) = hold.filter(|hold| lasts(times, hold.span)) {
+            found.push(hold);
         }
+        let core = hold.map_or(Span { first: at, last: at }, |hold| hold.span);
         let before = (span.first..core.first).rev().find(|&at| times[at] < times[core.first] - BLEND);
         let after = (core.last..=span.last).find(|&at| times[at] > times[core.last] + BLEND);
         open.extend(before.map(|last| Span { first: span.first, last }));
         open.extend(after.map(|first| Span { first, last: span.last }));
     }
-    found.sort_by_key(|span| span.first);
+    found.sort_by_key(|hold| hold.span.first);
     found
 }
 
-/// Rounding of times, seconds.
-const ROUNDING: f64 = 1e-9;
+fn lasts(times: &[f64], span: Span) -> bool {
+    times[span.last] - times[span.first] > SHORTEST - ROUNDING
+}
+
+/// The longest stretch about `at` that is found by seeking the best place for a stretch, and the stretch for that place,
+/// in turn.
+fn grown(
+    points: &[DVec3],
+    (within, at): (Span, usize),
+    place: &impl Fn(Span) -> DVec3,
+    affords: &impl Fn(usize, DVec3) -> bool,
+) -> Option<Hold> {
+    let about = |holds: &dyn Fn(usize) -> bool| {
+        let first = (within.first..=at).rev().take_while(|other| holds(*other)).last()?;
+        let last = (at..=within.last).take_while(|other| holds(*other)).last()?;
+        Some(Span { first, last })
+    };
+    let mut span = about(&|other| points[at].distance(points[other]) < STILL)?;
+    let mut best: Option<Hold> = None;
+    for _ in 0..ROUNDS {
+        let place = place(span);
+        let Some(next) = about(&|other| affords(other, place)) else { break };
+        let length = |span: Span| span.last - span.first;
+        if best.is_some_and(|best| length(best.span) >= length(next)) {
+            break;
+        }
+        best = Some(Hold { span: next, place });
+        span = next;
+    }
+    best
+}
 
 /// Speed of a point at sample `at`, m/s.
 fn speed(times: &[f64], points: &[DVec3], at: usize) -> f64 {
@@ -126,123 +291,67 @@ fn speed(times: &[f64], points: &[DVec3], at: usize) -> f64 {
     points[after].distance(points[before]) / (times[after] - times[before]).max(f64::MIN_POSITIVE)
 }
 
-/// The samples about `at` in which a point stays near where it is then.
-fn around(places: &[Place], points: &[DVec3], within: Span, at: usize) -> Span {
-    let near = |other: &usize| {
-        let shift = points[at] - points[*other];
-        shift.length() < STILL && leg_turn(&places[*other], shift) < LARGEST_TURN
-    };
-    let first = (within.first..=at).rev().take_while(near).last().unwrap_or(at);
-    let last = (at..=within.last).take_while(near).last().unwrap_or(at);
-    Span { first, last }
-}
-
-/// How far a joint of the leg turns when the foot is shifted, radians: the knee, or the hip. No turn is enough where the
-/// leg does not reach.
-fn leg_turn(place: &Place, shift: DVec3) -> f64 {
-    let limb = place.limb;
-    let distance = limb.upper.distance(limb.lower + shift);
-    let length: f64 = limb.lengths().iter().sum();
-    if distance > length && distance > limb.upper.distance(limb.lower) {
-        return f64::INFINITY;
-    }
-    let knee = limb.bend_at(distance) - limb.bend();
-    knee.abs().max((limb.lower - limb.upper).angle_between(limb.lower + shift - limb.upper))
-}
-
-/// The place for a point of the foot that turns the joints of the leg least, all along `span`: the smallest largest cost,
-/// where a shift along the leg costs what it bends the knee by and any shift what it turns the leg by.
-///
-/// Source: weights after Lawson (Rice & Usow, *The Lawson Algorithm and Extensions*, Math. Comp. 1968).
-fn least_turn(places: &[Place], points: &[DVec3], span: Span) -> DVec3 {
-    let costs: Vec<(DMat3, DVec3)> =
-        (span.first..=span.last).map(|at| (cost(&places[at]), points[at])).collect();
-    let mut weights = vec![1.0; costs.len()];
-    let mut best = points[span.first];
-    for _ in 0..PASSES {
-        let (mut matrix, mut right) = (DMat3::ZERO, DVec3::ZERO);
-        for ((cost, point), weight) in costs.iter().zip(&weights) {
-            matrix += *cost * *weight;
-            right += *cost * *point * *weight;
-        }
-        best = matrix.inverse() * right;
-        let lengths: Vec<f64> = costs
-            .iter()
-            .map(|(cost, point)| (*cost * (best - *point)).dot(best - *point).max(0.0).sqrt())
-            .collect();
-        let total: f64 = lengths.iter().zip(&weights).map(|(length, weight)| length * weight).sum();
-        if total < f64::MIN_POSITIVE {
-            break;
-        }
-        for (weight, length) in weights.iter_mut().zip(lengths) {
-            *weight = (*weight * length / total).max(LEAST_WEIGHT);
-        }
-    }
-    best
-}
-
-/// Weights stay above this, so that no system is singular.
-const LEAST_WEIGHT: f64 = 1e-12;
-
-/// `k² u uᵀ + 1/D²`: `u` along the leg, `k` radians of the knee per metre, `D` from hip to ankle.
-fn cost(place: &Place) -> DMat3 {
-    /// Knees straighter than this count as so bent, sine.
-    const STRAIGHTEST: f64 = 0.1;
-    let limb = place.limb;
-    let [upper, lower] = limb.lengths();
-    let leg = limb.lower - limb.upper;
-    let distance = leg.length().max(STRAIGHTEST * (upper + lower));
-    let knee = distance / (upper * lower * limb.bend().sin().max(STRAIGHTEST));
-    let along = leg.normalize_or_zero() * knee;
-    DMat3::from_cols(along * along.x, along * along.y, along * along.z)
-        + DMat3::from_diagonal(DVec3::splat(1.0 / (distance * distance)))
-}
-
 /// What moves the captured foot so that its held points are where they are held.
-fn corrections(times: &[f64], leg: &LegTrack, held: &Held, fade: f64) -> Vec<Displacement> {
-    let count = times.len();
-    let mut turns = vec![[DVec3::ZERO]; count];
-    let both: Vec<bool> = (0..count).map(|at| held.heel[at].is_some() && held.toe[at].is_some()).collect();
-    for (at, turn) in turns.iter_mut().enumerate() {
-        if let (Some(heel), Some(toe)) = (held.heel[at], held.toe[at]) {
-            let foot = leg.rest[at].end - leg.rest[at].limb.lower;
-            *turn = [log(minimal_rotation(foot, toe - heel))];
-        }
-    }
-    fill(times, &spans(&both), (BLEND, Slopes::Level), &mut turns);
-    let mut shifts = vec![[DVec3::ZERO]; count];
+fn corrections(times: &[f64], foot: &Foot, held: &Held, fade: f64) -> Vec<Displacement> {
+    let any = held.any();
+    let turns = turns(times, foot, held, &any);
+    let mut shifts = vec![[DVec3::ZERO]; times.len()];
     for (at, shift) in shifts.iter_mut().enumerate() {
-        let (ankle, toe) = (leg.rest[at].limb.lower, leg.rest[at].end);
         *shift = [match (held.heel[at], held.toe[at]) {
-            (Some(held), _) => held - ankle,
-            (None, Some(held)) => held - exp(turns[at][0]) * (toe - ankle) - ankle,
+            (Some(heel), _) => heel - foot.heels[at],
+            (None, Some(toe)) => foot.shift_about(at, toe, turns[at][0]),
             (None, None) => DVec3::ZERO,
         }];
     }
-    let any: Vec<bool> = (0..count).map(|at| held.heel[at].is_some() || held.toe[at].is_some()).collect();
     fill(times, &spans(&any), (fade, Slopes::Level), &mut shifts);
-    for at in (0..count).filter(|&at| !any[at]) {
-        shifts[at][0] = afforded(&leg.rest[at], shifts[at][0]);
+    let mut corrections: Vec<Displacement> =
+        shifts.iter().zip(&turns).map(|(shift, turn)| [shift[0], turn[0]]).collect();
+    for at in (0..times.len()).filter(|&at| !any[at]) {
+        corrections[at] = afforded(&foot.places[at], corrections[at]);
     }
-    shifts.iter().zip(&turns).map(|(shift, turn)| [shift[0], turn[0]]).collect()
+    corrections
 }
 
-/// `shift`, or as much of it as turns no joint of the leg by more than [`LARGEST_TURN`]: a faded shift is small, but a leg
-/// may be stretched straight there.
-fn afforded(place: &Place, shift: DVec3) -> DVec3 {
+/// By what the foot turns: where both points are held as these ask for, where one is as the joints like best, and without a
+/// jump from one to the other.
+fn turns(times: &[f64], foot: &Foot, held: &Held, any: &[bool]) -> Vec<[DVec3; 1]> {
+    let best = |at: usize| match (held.heel[at], held.toe[at]) {
+        (_, Some(toe)) => foot.to_toe(at, toe)[1],
+        (Some(heel), None) => foot.to_heel(at, heel)[1],
+        (None, None) => DVec3::ZERO,
+    };
+    let best: Vec<DVec3> = (0..times.len()).map(best).collect();
+    let both: Vec<bool> =
+        held.heel.iter().zip(&held.toe).map(|(heel, toe)| heel.is_some() && toe.is_some()).collect();
+    let mut beyond = vec![[DVec3::ZERO]; times.len()];
+    for (at, beyond) in beyond.iter_mut().enumerate() {
+        if let (Some(heel), Some(toe)) = (held.heel[at], held.toe[at]) {
+            *beyond = [foot.to_both(at, heel, toe)[1] - best[at]];
+        }
+    }
+    fill(times, &spans(&both), (BLEND, Slopes::Level), &mut beyond);
+    let mut turns: Vec<[DVec3; 1]> =
+        best.iter().zip(&beyond).map(|(best, beyond)| [*best + beyond[0]]).collect();
+    fill(times, &spans(any), (BLEND, Slopes::Level), &mut turns);
+    turns
+}
+
+/// A displacement, or as much of it as turns no joint of the leg by more than [`LARGEST_TURN`]: a faded one is small, but a
+/// leg may be stretched straight there.
+fn afforded(place: &Place, [shift, turn]: Displacement) -> Displacement {
     let (mut afforded, mut refused) = (0.0, 1.0);
-    if leg_turn(place, shift) <= LARGEST_TURN {
-        return shift;
+    if largest_turn(place, shift, turn) <= LARGEST_TURN {
+        return [shift, turn];
     }
     for _ in 0..HALVINGS {
         let middle = 0.5 * (afforded + refused);
-        if leg_turn(place, shift * middle) <= LARGEST_TURN {
+        if largest_turn(place, shift * middle, turn * middle) <= LARGEST_TURN {
             afforded = middle;
         } else {
             refused = middle;
         }
     }
-    shift * afforded
+    [shift * afforded, turn * afforded]
 }
 
 /// Halvings of a share: to a millionth.

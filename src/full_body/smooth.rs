@@ -131,15 +131,16 @@ fn substitute(rows: &mut [[f64; 3]], mut right: Vec<f64>) -> Vec<f64> {
 
 /// Largest second derivative of `values` along `times`, by differences.
 pub fn largest_acceleration(times: &[f64], values: &[f64]) -> f64 {
-    let steps = times.windows(3).zip(values.windows(3));
-    steps
-        .map(|(times, values)| {
-            let [before, after] =
-                [times[1] - times[0], times[2] - times[1]].map(|step| step.max(SHORTEST_STEP));
-            let turn = (values[2] - values[1]) / after - (values[1] - values[0]) / before;
-            (2.0 * turn / (before + after)).abs()
-        })
-        .fold(0.0, f64::max)
+    accelerations(times, values).fold(0.0, f64::max)
+}
+
+/// Magnitudes of the second derivatives of `values` along `times`, by differences: of each sample but the first and the last.
+pub fn accelerations(times: &[f64], values: &[f64]) -> impl Iterator<Item = f64> {
+    times.windows(3).zip(values.windows(3)).map(|(times, values)| {
+        let [before, after] = [times[1] - times[0], times[2] - times[1]].map(|step| step.max(SHORTEST_STEP));
+        let turn = (values[2] - values[1]) / after - (values[1] - values[0]) / before;
+        (2.0 * turn / (before + after)).abs()
+    })
 }
 
 /// Samples nearer than this in time count as so far apart, seconds: a constrained moment beside an output frame.

@@ -343,10 +343,6 @@ fn lowest_knee_and_hip(skeleton: &Skeleton, poses: &[Pose]) -> f64 {
 /// Knees stay this far above the ground, metres: as high as ankles, but for what the heel comes up.
 const KNEES: f64 = 0.05;
 
-/// Where hands drag a walking body down and away feet may miss their plants by this much in single frames, and tell it,
-/// metres. Nobody who stands misses any.
-const STRIDE_MISS: f64 = 0.05;
-
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(64))]
 
@@ -371,8 +367,7 @@ proptest! {
         let told = refined.report.shortfalls.iter().filter(|told| told.joint == joint);
         let told = told.map(|told| told.metres).fold(0.0, f64::max);
         prop_assert!((if miss > TOLERATED { miss } else { 0.0 } - told).abs() < BONES, "{miss} {told}");
-        for foot in refined.report.shortfalls.iter().filter(|told| told.joint != joint) {
-            prop_assert!(is_walking && foot.metres < STRIDE_MISS, "{foot:?}");
-        }
+        let foot = refined.report.shortfalls.iter().find(|told| told.joint != joint);
+        prop_assert!(foot.is_none(), "{foot:?}");
     }
 }
