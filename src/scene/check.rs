@@ -16,7 +16,7 @@ use crate::scene::values;
 use crate::scene::{
     Character, FullBody, Mode, Plants, Scene, Warp, effectors, objects, raw, refuse, things, ties,
 };
-use crate::track::{Protected, SeamChoice, Track};
+use crate::track::{Protected, SeamChoice, SeamRule, Track};
 
 /// The scene that `raw` describes; whatever is wrong with it is in `report`, and the scene is then of no use.
 ///
@@ -47,10 +47,7 @@ pub fn check(
             path.file_stem().map_or_else(String::new, |stem| stem.to_string_lossy().into_owned())
         }),
         fps: within(&raw.fps, 1000.0, "frames per second", report).unwrap_or(30.0),
-        mode: match raw.mode.value() {
-            Some(values::Mode::Paper) => Mode::Paper,
-            Some(values::Mode::Production) | None => Mode::Production,
-        },
+        mode: mode(raw),
         characters,
         objects,
         constraints: checked.constraints,
@@ -58,6 +55,21 @@ pub fn check(
         end_effectors: checked.end_effectors,
         warp: warp(&raw.warp, report),
         full_body: full_body(&raw.full_body),
+    }
+}
+
+fn mode(raw: &raw::Scene) -> Mode {
+    match raw.mode.value() {
+        Some(values::Mode::Paper) => Mode::Paper,
+        Some(values::Mode::Production) | None => Mode::Production,
+    }
+}
+
+/// The published method aligns by the root.
+fn seam_rule(mode: Mode) -> SeamRule {
+    match mode {
+        Mode::Paper => SeamRule::Root,
+        Mode::Production => SeamRule::PlantedFeet,
     }
 }
 
@@ -168,13 +180,14 @@ fn article(noun: &str) -> String {
 
 /// Everybody whose track can be strung.
 fn characters(raw: &raw::Scene, cast: &[Member], checked: &Checked, report: &mut Report) -> Vec<Character> {
+    let rule = seam_rule(mode(raw));
     let tracks: Vec<Option<Track>> = raw
         .character
         .tables()
         .iter()
         .zip(cast)
         .zip(protected(cast.len(), checked))
-        .map(|((character, member), protected)| track(&character.value, member, &protected, report))
+        .map(|((character, member), protected)| track(&character.value, member, (&protected, rule), report))
         .collect();
     check_intervals(checked, cast, &tracks, report);
     effectors::warn_of_lonely(checked, &tracks, report);
@@ -205,7 +218,7 @@ fn protected(count: usize, checked: &Checked) -> Vec<Vec<Protected>> {
 fn track(
     character: &raw::Character,
     member: &Member,
-    protected: &[Protected],
+    (protected, rule): (&[Protected], SeamRule),
     report: &mut Report,
 ) -> Option<Track> {
     let position = character.position.given().map(|position| plan_point(position, report));
@@ -218,7 +231,7 @@ fn track(
     if !clips.iter().all(|clip| skeleton.matches(&clip.clip.skeleton)) {
         return None;
     }
-    let (track, seams) = Track::string(clips, protected, (position, facing));
+    let (track, seams) = Track::string(clips, protected, (position, facing), rule);
     for seam in seams.iter().filter(|seam| seam.distance > seam.admissible) {
         let place = places.value.get(seam.entry).map_or(&places.place, |at| &at.place);
         report.warn(place, seam_of_unlike_poses(seam, &member.track), seam_remedy(seam));
