@@ -35,6 +35,8 @@ pub enum Instant {
         /// Working frame of that clip (`WorkingClip::working_frame` of the file's frame), a fraction where rates differ.
         working: f64,
     },
+    /// This track frame: where discrete edits have brought a moment of one of the other kinds.
+    Shown(f64),
 }
 
 /// When a constraint holds.
@@ -157,6 +159,14 @@ impl When {
             Self::During(from, to) => vec![from, to],
         }
     }
+
+    /// The moments it names, to be changed.
+    pub fn moments_mut(&mut self) -> Vec<&mut Moment> {
+        match self {
+            Self::At(moment) => vec![moment],
+            Self::During(from, to) => vec![from, to],
+        }
+    }
 }
 
 impl ConstraintKind {
@@ -182,6 +192,20 @@ impl ConstraintKind {
             Self::Time { at, .. } => vec![at],
             Self::Duration { from, to, .. } => vec![from, to],
             Self::Sync { moments, .. } => moments.iter().flat_map(When::moments).collect(),
+        }
+    }
+
+    /// Every moment the constraint names, to be changed.
+    pub fn moments_mut(&mut self) -> Vec<&mut Moment> {
+        match self {
+            Self::Pin { when, .. } => when.moments_mut(),
+            Self::Relative { when, partner: Partner::Character(other), .. } => {
+                when.moments_mut().into_iter().chain(other.moments_mut()).collect()
+            }
+            Self::Relative { when, .. } => when.moments_mut(),
+            Self::Time { at, .. } => vec![at],
+            Self::Duration { from, to, .. } => vec![from, to],
+            Self::Sync { moments, .. } => moments.iter_mut().flat_map(When::moments_mut).collect(),
         }
     }
 }

@@ -87,6 +87,7 @@ impl Track {
         let runs_of = |entry: usize| self.placed_runs().filter(move |(run, _)| run.entry == entry);
         let last_of = |run: &Run, start: usize| (start + run.frame_count() - 1) as f64;
         match instant {
+            Instant::Shown(frame) => (0.0..=end + self.overhang() + 1e-9).contains(&frame).then_some(frame),
             Instant::TrackStart => Some(0.0),
             Instant::TrackEnd => Some(end + self.overhang()),
             Instant::ClipStart(entry) => runs_of(entry).next().map(|(_, start)| start as f64),

@@ -241,5 +241,7 @@ pub fn order(instant: Instant, member: &Member) -> (usize, f64) {
         Instant::ClipStart(entry) => (entry, f64::NEG_INFINITY),
         Instant::ClipEnd(entry) => (entry, f64::INFINITY),
         Instant::Frame { entry, working } => (entry, working),
+        // Discrete edits make these; no scene file does.
+        Instant::Shown(frame) => (0, frame),
     }
 }

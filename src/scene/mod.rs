@@ -147,4 +147,11 @@ impl Scene {
         let carries = self.carries.iter().flat_map(|carry| [&carry.during.0, &carry.during.1]);
         constraints.chain(carries).chain(self.end_effectors.iter().flat_map(EndEffector::moments))
     }
+
+    /// Every moment that something names, in the same order, to be changed.
+    pub fn moments_mut(&mut self) -> impl Iterator<Item = &mut Moment> {
+        let constraints = self.constraints.iter_mut().flat_map(|constraint| constraint.kind.moments_mut());
+        let carries = self.carries.iter_mut().flat_map(|Carry { during, .. }| [&mut during.0, &mut during.1]);
+        constraints.chain(carries).chain(self.end_effectors.iter_mut().flat_map(EndEffector::moments_mut))
+    }
 }

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use crate::clip::working::WorkingClip;
 use crate::geometry::{RigidMotion, c64};
 use crate::index::{FrameIndex, floor_index};
-use crate::similarity::{admissible_distance, features, mean_rotations};
+use crate::similarity::{admissible, features, mean_rotations};
 use crate::track::{Jump, Run, SeamRule, Track};
 
 /// A frame that must not be dropped when clips are strung, and what names it.
@@ -108,7 +108,8 @@ fn best_seam(clips: &[Arc<WorkingClip>], entry: usize, start: usize, protected: 
     }
     let (_, distance, _, last, first) =
         best.expect("the last frame of one clip and the first of the next may always meet");
-    let admissible = admissible_distance(a, &features_a).max(admissible_distance(b, &features_b));
+    let largest = |clip, features| admissible(&[(clip, features)]).largest;
+    let admissible = largest(a, &features_a).max(largest(b, &features_b));
     let free = |entry: usize| protected.iter().filter(move |frame| frame.entry == entry);
     let window = (a.frame_count() - 1 - range(a), range(b));
     let mut held_by: Vec<String> = free(entry)
