@@ -37,6 +37,10 @@ index! {
     JointId
 }
 index! {
+    /// Frame of a motion graph: the working frames of its clips, one clip after another.
+    GraphFrame
+}
+index! {
     /// Clip of a scene, in the order of its `[clips]` table.
     ClipId
 }

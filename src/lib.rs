@@ -43,6 +43,8 @@ pub mod track;
 pub mod scene;
 pub mod object_motion;
 pub mod edit;
+pub mod graph;
+pub mod discrete;
 pub mod resample;
 pub mod reach;
 pub mod full_body;

@@ -8,6 +8,7 @@ use glam::{DQuat, DVec3};
 
 use crate::clip::working::{WORKING_STEP, WorkingClip};
 use crate::geometry::{cis, log, yaw};
+use crate::index::floor_index;
 use crate::skeleton::{JointRole, Pose, Skeleton};
 
 /// Weight of root height, 1/m².
@@ -26,10 +27,12 @@ const SHARE_OF_MEDIAN: f64 = 0.4;
 const LARGEST: f64 = 1.0;
 /// Frames move if the mean speed of the root over half a second is above this, m/s.
 const MOVING: f64 = 0.3;
-/// So many moving frames tell the median.
-const MOST_MOVING: usize = 400;
-/// Pairs nearer than this are alike because they are neighbours, frames (0.3 s).
-const NEIGHBOURS: usize = 9;
+/// So many moving frames tell the median; of more, as many spread over all stand for them: two million pairs.
+const MOST_MOVING: usize = 2000;
+/// Fraction of the golden ratio: its multiples fall evenly into any interval, and into any cycle of a gait.
+const GOLDEN: f64 = 0.618_033_988_749_894_9;
+/// Frames of one clip nearer than this are alike because they are neighbours, frames (0.3 s).
+pub const NEIGHBOURS: usize = 9;
 
 /// Feature vectors of the working frames of one clip.
 #[derive(Clone, Debug, PartialEq)]
@@ -48,8 +51,21 @@ impl Features {
 
     /// Distance D of two frames.
     pub fn distance(&self, frame: usize, other: &Self, other_frame: usize) -> f64 {
-        let (a, b) = (self.frame(frame), other.frame(other_frame));
-        a.iter().zip(b).map(|(x, y)| (x - y) * (x - y)).sum::<f64>().sqrt()
+        self.distance_sq(frame, other, other_frame).sqrt()
+    }
+
+    /// D². Always summed in the same order: D(i, j) and D(j, i) have the same bits, on every machine.
+    pub fn distance_sq(&self, frame: usize, other: &Self, other_frame: usize) -> f64 {
+        let (a, b) = (self.frame(frame).chunks_exact(4), other.frame(other_frame).chunks_exact(4));
+        let rest = a.remainder().iter().zip(b.remainder()).map(|(x, y)| (x - y) * (x - y)).sum::<f64>();
+        // Four sums beside each other do not wait for each other.
+        let mut sums = [0.0; 4];
+        for (a, b) in a.zip(b) {
+            for (sum, (x, y)) in sums.iter_mut().zip(a.iter().zip(b)) {
+                *sum += (x - y) * (x - y);
+            }
+        }
+        (sums[0] + sums[1]) + (sums[2] + sums[3]) + rest
     }
 }
 
@@ -78,12 +94,13 @@ fn weighted_joints(skeleton: &Skeleton) -> Vec<(usize, f64)> {
     weights.filter(|(_, weight)| *weight > 0.0).collect()
 }
 
-/// Mean rotation of each joint over all frames of `clips`, which share a skeleton.
+/// Mean rotation of each joint over all frames of `clips`, which share a skeleton; the root's without its heading.
 pub fn mean_rotations(clips: &[&WorkingClip]) -> Vec<DQuat> {
     let mut sums: Vec<DQuat> = Vec::new();
     for clip in clips {
         for frame in 0..clip.frame_count() {
-            let pose = clip.pose(frame as f64);
+            let mut pose = clip.pose(frame as f64);
+            pose.rotations[0] = tilt(clip, frame, &pose);
             if sums.is_empty() {
                 sums.clone_from(&pose.rotations);
                 continue;
@@ -94,6 +111,11 @@ pub fn mean_rotations(clips: &[&WorkingClip]) -> Vec<DQuat> {
         }
     }
     sums.into_iter().map(|sum| if sum.length() > 1e-9 { sum.normalize() } else { DQuat::IDENTITY }).collect()
+}
+
+/// Orientation of the root without its heading.
+fn tilt(clip: &WorkingClip, frame: usize, pose: &Pose) -> DQuat {
+    yaw(-clip.headings[frame]) * pose.rotations[0]
 }
 
 /// Features of all working frames of `clip`, angles against `mean`. Cost: linear in frames and joints.
@@ -115,7 +137,7 @@ pub fn features(clip: &WorkingClip, mean: &[DQuat]) -> Features {
             values.extend(velocity.to_array());
         }
         values.push(HEIGHT.sqrt() * poses[frame].root.y);
-        let tilt = log(yaw(-heading) * poses[frame].rotations[0]) * TILT.sqrt();
+        let tilt = log(mean[0].inverse() * tilt(clip, frame, &poses[frame])) * TILT.sqrt();
         values.extend(tilt.to_array());
         let ground = cis(-heading) * (clip.positions[after] - clip.positions[before]) / seconds;
         let rise = (poses[after].root.y - poses[before].root.y) / seconds;
@@ -126,29 +148,59 @@ pub fn features(clip: &WorkingClip, mean: &[DQuat]) -> Features {
     Features { width, values }
 }
 
-/// Largest distance at which frames of `clip` count as similar: 0.4 of the median over pairs of moving frames at least
-/// 0.3 s apart, at most 1. Of many moving frames, evenly chosen ones stand for all. Cost: linear in frames.
-pub fn admissible_distance(clip: &WorkingClip, features: &Features) -> f64 {
+/// Which frames of `clip` move: the root's mean speed over half a second is above 0.3 m/s.
+pub fn moving(clip: &WorkingClip) -> Vec<bool> {
     let half = NEIGHBOURS - 1;
     let last = clip.frame_count() - 1;
-    let moving: Vec<usize> = (0..=last)
-        .filter(|frame| {
-            let (a, b) = (frame.saturating_sub(half), (frame + half).min(last));
-            let length: f64 = (a..b).map(|f| (clip.positions[f + 1] - clip.positions[f]).norm()).sum();
-            length > MOVING * ((b - a).max(1)) as f64 * WORKING_STEP
+    let moves = |frame: usize| {
+        let (a, b) = (frame.saturating_sub(half), (frame + half).min(last));
+        let length: f64 = (a..b).map(|f| (clip.positions[f + 1] - clip.positions[f]).norm()).sum();
+        length > MOVING * ((b - a).max(1)) as f64 * WORKING_STEP
+    };
+    (0..=last).map(moves).collect()
+}
+
+/// What tells frames of one body that are alike from those that are not.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Admissible {
+    /// Median distance of pairs of moving frames, those of one clip at least 0.3 s apart; `None` without such pairs.
+    pub median: Option<f64>,
+    /// Largest distance at which frames count as similar: 0.4 of the median, at most 1.
+    pub largest: f64,
+}
+
+/// How near frames of `clips`, which share a skeleton and a mean pose, must be to count as similar. Of more than two thousand
+/// moving frames as many, evenly spread, stand for all. Cost: linear in frames, and at most two million distances.
+pub fn admissible(clips: &[(&WorkingClip, &Features)]) -> Admissible {
+    let all: Vec<(usize, usize)> = clips
+        .iter()
+        .enumerate()
+        .flat_map(|(clip, (working, _))| {
+            let moves = moving(working);
+            moves.into_iter().enumerate().filter(|(_, moves)| *moves).map(move |(frame, _)| (clip, frame))
         })
         .collect();
-    let moving: Vec<usize> =
-        moving.iter().copied().step_by(moving.len().div_ceil(MOST_MOVING).max(1)).collect();
+    let chosen = spread(&all, MOST_MOVING);
     let mut distances = Vec::new();
-    for (index, a) in moving.iter().enumerate() {
-        let far = moving[index..].iter().filter(|b| *b - a >= NEIGHBOURS);
-        distances.extend(far.map(|b| features.distance(*a, features, *b)));
+    for (index, (clip, frame)) in chosen.iter().enumerate() {
+        let features = clips[*clip].1;
+        let far = chosen[index..].iter().filter(|(b, f)| b != clip || f - frame >= NEIGHBOURS);
+        distances.extend(far.map(|(b, f)| features.distance(*frame, clips[*b].1, *f)));
     }
     if distances.is_empty() {
-        return LARGEST;
+        return Admissible { median: None, largest: LARGEST };
     }
     let middle = distances.len() / 2;
     let (_, median, _) = distances.select_nth_unstable_by(middle, f64::total_cmp);
-    (SHARE_OF_MEDIAN * *median).min(LARGEST)
+    Admissible { median: Some(*median), largest: (SHARE_OF_MEDIAN * *median).min(LARGEST) }
+}
+
+/// At most `most` of `items`, one of each of as many equal stretches, at no regular distance: motion is periodic.
+fn spread<T: Copy>(items: &[T], most: usize) -> Vec<T> {
+    if items.len() <= most {
+        return items.to_vec();
+    }
+    let stretch = items.len() as f64 / most as f64;
+    let place = |k: usize| floor_index((k as f64 + (k as f64 * GOLDEN).fract()) * stretch);
+    (0..most).map(|k| items[place(k).min(items.len() - 1)]).collect()
 }

@@ -1,11 +1,15 @@
 //! `cotillion inspect` and `cotillion clips`: facts of clips.
 
 use std::path::Path;
+use std::sync::Arc;
 
 use cotillion::clip::Clip;
 use cotillion::clip::builtin::{self, BuiltinError, BuiltinInfo};
 use cotillion::clip::inspect::{ClipFacts, facts_text, inspect as facts_of};
 use cotillion::clip::read::ReadOptions;
+use cotillion::clip::working::WorkingClip;
+use cotillion::graph::facts::transition_facts;
+use cotillion::graph::{GraphSettings, motion_graph};
 use rayon::prelude::*;
 use serde_json::json;
 
@@ -48,7 +52,11 @@ fn clip_and_facts(
     options: &ReadOptions,
 ) -> Result<(Clip, ClipFacts), PlainError> {
     let read = args.read.read(path, options)?;
-    let facts = facts_of(&path.display().to_string(), &read);
+    let mut facts = facts_of(&path.display().to_string(), &read);
+    let (first, last) = read.clip.usable;
+    let working = Arc::new(WorkingClip::new(&read.clip.name, Arc::new(read.clip.clone()), first, last));
+    let graph = motion_graph(std::slice::from_ref(&working), &GraphSettings::default());
+    facts.transitions = Some(transition_facts(&graph, 0, &working));
     Ok((read.clip, facts))
 }
 

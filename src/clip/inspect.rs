@@ -1,11 +1,13 @@
 //! Facts of a clip for people and scripts; whoever calls prints them.
 
 mod text;
+mod transitions;
 
 use std::f64::consts::TAU;
 use std::sync::Arc;
 
 pub use text::facts_text;
+pub use transitions::TransitionFacts;
 
 use serde::Serialize;
 
@@ -54,6 +56,9 @@ pub struct ClipFacts {
     pub stationary: Vec<FrameRange>,
     /// Mean horizontal speed of the feet in contact, m/s.
     pub foot_slide: Option<f64>,
+    /// Transitions of the clip onto itself, where the motion graph was asked.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub transitions: Option<TransitionFacts>,
     /// Named frames.
     pub events: Vec<EventFact>,
     /// Joint of each role that was found.
@@ -137,6 +142,7 @@ pub fn inspect(file: &str, read: &ReadClip) -> ClipFacts {
             .collect(),
         stationary: runs(&working.stationary).into_iter().map(range).collect(),
         foot_slide: foot_slide_working(&working),
+        transitions: None,
         events: clip
             .events
             .iter()

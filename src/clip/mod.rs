@@ -9,6 +9,7 @@ pub mod facing;
 pub mod file;
 mod file_motion;
 pub mod flight;
+pub mod gait;
 pub mod inspect;
 pub mod measure;
 pub mod note;

@@ -94,6 +94,9 @@ fn phases(facts: &ClipFacts) -> Vec<Entry> {
         facts.flights.iter().map(|flight| FrameRange { from: flight.from, to: flight.to }).collect();
     entries.push(("flights", range_list(&flights), 2));
     entries.push(("stationary", range_list(&facts.stationary), 2));
+    if let Some(transitions) = &facts.transitions {
+        entries.push(("transitions", transitions.text(), 2));
+    }
     if !facts.events.is_empty() {
         let events: Vec<String> =
             facts.events.iter().map(|event| format!("{} {}", event.name, event.frame)).collect();
