@@ -33,7 +33,8 @@ pub fn gait(contacts: &[FootContacts]) -> Gait {
 /// Frames at which the foot comes down, from each of them to the next.
 fn cycles(bears: &[bool]) -> Vec<(usize, usize)> {
     // A foot that bears from the first frame on has come down at a frame that nobody saw.
-    let strikes: Vec<usize> = runs(bears).into_iter().map(|(first, _)| first).filter(|first| *first > 0).collect();
+    let strikes: Vec<usize> =
+        runs(bears).into_iter().map(|(first, _)| first).filter(|first| *first > 0).collect();
     let pairs = strikes.windows(2).map(|pair| (pair[0], pair[1]));
     pairs.filter(|(from, to)| (CYCLE.0..=CYCLE.1).contains(&(to - from))).collect()
 }
@@ -66,7 +67,8 @@ impl Gait {
 /// How far the left ankle is ahead of the right one along the heading at each working frame, metres; `None` without ankles.
 pub fn feet_apart(clip: &WorkingClip) -> Option<Vec<f64>> {
     let skeleton = &clip.clip.skeleton;
-    let (left, right) = (foot_point(skeleton, FootPoint::LeftHeel)?, foot_point(skeleton, FootPoint::RightHeel)?);
+    let (left, right) =
+        (foot_point(skeleton, FootPoint::LeftHeel)?, foot_point(skeleton, FootPoint::RightHeel)?);
     let apart = |frame: usize| {
         let frames = skeleton.forward_kinematics(&clip.pose(frame as f64));
         let place = |point: &BodyPoint| plan_of(point.place(&frames));
@@ -95,7 +97,10 @@ mod tests {
     fn a_cycle_lasts_from_strike_to_strike() {
         let gait = gait(&steps(100));
         assert_eq!(gait.cycle, Some(30));
-        assert_eq!((gait.left[4], gait.left[5], gait.left[20], gait.left[95]), (None, Some(0.0), Some(0.5), None));
+        assert_eq!(
+            (gait.left[4], gait.left[5], gait.left[20], gait.left[95]),
+            (None, Some(0.0), Some(0.5), None)
+        );
         assert_eq!(gait.apart(10, 40), Some(0.0));
         assert_eq!(gait.apart(10, 55), Some(0.5));
         assert_eq!(gait.apart(0, 10), None);

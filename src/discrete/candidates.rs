@@ -5,8 +5,9 @@
 
 use std::collections::BTreeMap;
 
+use crate::constraint::ChangeKind;
 use crate::discrete::remap::Protected;
-use crate::discrete::settings::{DiscreteSettings, Kind};
+use crate::discrete::settings::DiscreteSettings;
 use crate::graph::MotionGraph;
 use crate::index::{CharacterId, FrameIndex, GraphFrame};
 use crate::track::{Keep, Splice, Stretch, Track};
@@ -17,7 +18,7 @@ pub struct Candidate {
     /// On whose track.
     pub character: CharacterId,
     /// Of which type.
-    pub kind: Kind,
+    pub kind: ChangeKind,
     /// What.
     pub splice: Splice,
     /// Where moments on copied frames stay.
@@ -40,6 +41,8 @@ pub struct Seen<'a> {
     pub protected: &'a Protected,
     /// Stationary track frames.
     pub still: &'a [bool],
+    /// Track frames that may change.
+    pub open: &'a [bool],
 }
 
 /// Candidates of one track, in a fixed order: by kind, then frames. Cost: linear in frames times transitions a frame (their
@@ -51,7 +54,7 @@ pub fn candidates(graph: &MotionGraph, seen: &Seen<'_>, settings: &DiscreteSetti
         frames.between(graph, i, settings, &mut found);
         frames.from_elsewhere(graph, i, settings, &mut found);
     }
-    if settings.allows(Kind::Replacement) {
+    if settings.allows(ChangeKind::Replace) {
         frames.replacements(graph, settings, &mut found);
     }
     found.retain(|candidate| seen.protected.allow(&candidate.splice, candidate.keep));
@@ -107,15 +110,15 @@ impl<'a> Frames<'a> {
                 let mut add = |kind, splice: Splice, keep| {
                     found.push(self.candidate(kind, (splice, keep), distance, (i + 1, j)));
                 };
-                if settings.allows(Kind::Deletion) && j + 1 < self.nodes.len() {
-                    add(Kind::Deletion, Splice::delete(i, j), Keep::First);
+                if settings.allows(ChangeKind::Delete) && j + 1 < self.nodes.len() {
+                    add(ChangeKind::Delete, Splice::delete(i, j), Keep::First);
                 }
-                if settings.allows(Kind::Duplication) {
+                if settings.allows(ChangeKind::Duplicate) {
                     let splice = Splice::duplicate(i, j);
                     if self.seen.protected.tell_copies_apart(&splice) {
-                        add(Kind::Duplication, splice.clone(), Keep::Second);
+                        add(ChangeKind::Duplicate, splice.clone(), Keep::Second);
                     }
-                    add(Kind::Duplication, splice, Keep::First);
+                    add(ChangeKind::Duplicate, splice, Keep::First);
                 }
             }
         }
@@ -129,7 +132,7 @@ impl<'a> Frames<'a> {
         settings: &DiscreteSettings,
         found: &mut Vec<Candidate>,
     ) {
-        if !settings.allows(Kind::Insertion) || i + 1 >= self.nodes.len() {
+        if !settings.allows(ChangeKind::Insert) || i + 1 >= self.nodes.len() || !self.seen.open[i] {
             return;
         }
         let alike = self.alike(graph, i);
@@ -138,7 +141,7 @@ impl<'a> Frames<'a> {
                 let Some(stretch) = self.stretch(graph, *from, *to, settings) else { continue };
                 let splice = Splice::insert(i, vec![stretch]);
                 found.push(self.candidate(
-                    Kind::Insertion,
+                    ChangeKind::Insert,
                     (splice, Keep::First),
                     before.max(*after),
                     (i, i),
@@ -157,7 +160,12 @@ impl<'a> Frames<'a> {
                     for (to, after) in &alike[j] {
                         let Some(stretch) = self.stretch(graph, *from, *to, settings) else { continue };
                         let splice = (Splice::replace(i, j, vec![stretch]), Keep::First);
-                        found.push(self.candidate(Kind::Replacement, splice, before.max(*after), (i + 1, j)));
+                        found.push(self.candidate(
+                            ChangeKind::Replace,
+                            splice,
+                            before.max(*after),
+                            (i + 1, j),
+                        ));
                     }
                 }
             }
@@ -166,7 +174,7 @@ impl<'a> Frames<'a> {
 
     fn candidate(
         &self,
-        kind: Kind,
+        kind: ChangeKind,
         (splice, keep): (Splice, Keep),
         distance: f64,
         interval: (usize, usize),
@@ -178,7 +186,7 @@ impl<'a> Frames<'a> {
     /// that nobody sees them again.
     fn allowed(&self, i: usize, j: usize, settings: &DiscreteSettings) -> bool {
         let idle = self.seen.still[i..=j].iter().all(|still| *still);
-        settings.lengths(idle).contains(&(j - i)) && settings.within((i + 1, j))
+        settings.lengths(idle).contains(&(j - i)) && self.seen.open[i..=j].iter().all(|open| *open)
     }
 
     /// Frames after `from` up to `to` of one clip that the track may show, if they are as many as allowed.
@@ -248,19 +256,19 @@ fn sequence(seen: &Seen<'_>, splice: &Splice) -> Vec<u64> {
 /// `found`: by kind and interval. Cost: `O(n log n)`.
 fn without_enclosing(found: &mut Vec<Candidate>) {
     let mut keep = vec![true; found.len()];
-    let mut order: Vec<usize> = (0..found.len()).filter(|c| found[*c].kind != Kind::Insertion).collect();
+    let mut order: Vec<usize> = (0..found.len()).filter(|c| found[*c].kind != ChangeKind::Insert).collect();
     // From the latest start on, the nearest end seen so far belongs to something inside.
     order.sort_by(|a, b| {
         let (a, b) = (&found[*a], &found[*b]);
         let places = (a.kind, b.interval.0, a.interval.1).cmp(&(b.kind, a.interval.0, b.interval.1));
         places.then(a.distance.total_cmp(&b.distance))
     });
-    let mut inside: Option<(Kind, (usize, usize))> = None;
+    let mut inside: Option<(ChangeKind, (usize, usize))> = None;
     for place in order {
         let Candidate { kind, interval, .. } = found[place];
         match inside {
             Some((known, within)) if known == kind && within.1 <= interval.1 => {
-                keep[place] = within == interval && kind != Kind::Replacement;
+                keep[place] = within == interval && kind != ChangeKind::Replace;
             }
             _ => inside = Some((kind, interval)),
         }
@@ -278,7 +286,7 @@ const SAME_PLACE: usize = 5;
 
 fn drop_enclosing_insertions(found: &[Candidate], keep: &mut [bool]) {
     let inserted = |candidate: &Candidate| candidate.splice.inserted[0];
-    let places: Vec<usize> = (0..found.len()).filter(|c| found[*c].kind == Kind::Insertion).collect();
+    let places: Vec<usize> = (0..found.len()).filter(|c| found[*c].kind == ChangeKind::Insert).collect();
     for (at, place) in places.iter().enumerate() {
         let own = inserted(&found[*place]);
         let near =
@@ -301,7 +309,7 @@ fn best(found: Vec<Candidate>, most: usize) -> Vec<Candidate> {
     }
     let mut order: Vec<usize> = (0..found.len()).collect();
     order.sort_by(|a, b| found[*a].distance.total_cmp(&found[*b].distance).then(a.cmp(b)));
-    let mut of_kind = [0; Kind::ALL.len()];
+    let mut of_kind = [0; ChangeKind::ALL.len()];
     let first: Vec<usize> = order
         .iter()
         .copied()

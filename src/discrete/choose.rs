@@ -1,7 +1,8 @@
 //! The choice: of all offers the one with the least energy, found without weighing those that cannot win.
 
+use crate::constraint::Evaluator;
 use crate::discrete::candidates::Candidate;
-use crate::discrete::settings::{DiscreteSettings, Evaluator};
+use crate::discrete::settings::DiscreteSettings;
 
 /// A candidate and what is known of it beforehand.
 #[derive(Clone, Debug, PartialEq)]

@@ -5,17 +5,35 @@
 use std::sync::Arc;
 
 use crate::clip::working::WorkingClip;
+use crate::constraint::ChangeKind;
 use crate::discrete::candidates::{Candidate, Seen, candidates};
 use crate::discrete::choose::{Offer, Weighed, choose};
 use crate::discrete::remap::{Protected, bound, protected, spliced};
-use crate::discrete::settings::{DiscreteSettings, Kind};
+use crate::discrete::settings::DiscreteSettings;
 use crate::edit::energy::Energy;
+use crate::edit::expand::capture;
 use crate::edit::{Edit, EditError, Editor, Target};
-use crate::geometry::wrap;
+use crate::geometry::{c64, wrap};
 use crate::graph::MotionGraph;
 use crate::index::{CharacterId, ConstraintId};
-use crate::scene::Scene;
-use crate::track::Track;
+use crate::scene::{Character, Scene};
+use crate::track::{Run, Track};
+
+/// When an update happens.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Occasion {
+    /// Before all drags.
+    First,
+    /// In a step of a drag.
+    Drag {
+        /// Which drag, from 0.
+        drag: usize,
+        /// Which of its steps, from 1.
+        step: usize,
+    },
+    /// After all drags.
+    Settling,
+}
 
 /// A change that was made.
 #[derive(Clone, Debug, PartialEq)]
@@ -23,13 +41,15 @@ pub struct LogEntry {
     /// On whose track.
     pub character: CharacterId,
     /// Of which type.
-    pub kind: Kind,
-    /// Name of the place: the moment whose frame precedes the change.
-    pub frame: usize,
-    /// Frames that came, less those that went.
+    pub kind: ChangeKind,
+    /// The first frame that came or went: clip and file frame, as moments name them.
+    pub at: String,
+    /// Track frames before the change that came or went, or the one after which others came, twice.
+    pub interval: (usize, usize),
+    /// Working frames that came, less those that went.
     pub frames: i64,
-    /// Update in which it happened, from 0.
-    pub update: usize,
+    /// When.
+    pub occasion: Occasion,
     /// Ê before and after.
     pub energy: (f64, f64),
 }
@@ -43,7 +63,6 @@ pub struct DiscreteEditor {
     /// Number of entries of each character's own track, and how the rest motion places them, radians.
     rest_angles: Vec<Vec<f64>>,
     settings: DiscreteSettings,
-    updates: usize,
     log: Vec<LogEntry>,
 }
 
@@ -58,6 +77,8 @@ impl DiscreteEditor {
         settings: DiscreteSettings,
     ) -> Result<Self, EditError> {
         let mut scene = bound(scene);
+        let rests: Vec<_> = scene.characters.iter().map(|character| character.track.rest_path()).collect();
+        scene.captured = capture(&scene, &rests);
         let rest_angles = scene.characters.iter().map(|character| rest_angles(&character.track)).collect();
         let place = |clip: &Arc<WorkingClip>| clips.iter().position(|known| known == clip);
         let mut seen = Vec::new();
@@ -68,7 +89,7 @@ impl DiscreteEditor {
             seen.push(character.track.clips.iter().filter_map(place).collect());
         }
         let editor = Editor::new(scene)?;
-        Ok(Self { editor, graph, clips: seen, rest_angles, settings, updates: 0, log: Vec::new() })
+        Ok(Self { editor, graph, clips: seen, rest_angles, settings, log: Vec::new() })
     }
 
     /// The scene as it is now: tracks and targets.
@@ -99,17 +120,17 @@ impl DiscreteEditor {
     ///
     /// # Errors
     /// Those of [`Editor::solve`] for the present tracks; candidates that cannot be solved do not happen.
-    pub fn update(&mut self) -> Result<bool, EditError> {
+    pub fn update(&mut self, occasion: Occasion) -> Result<bool, EditError> {
         self.editor.solve()?;
         let before = self.energy().total;
         let offers = self.offers();
         let full = |offer: &Offer| self.weigh(&offer.candidate);
         let choice = choose(offers, before, full, &self.settings);
-        self.updates += 1;
         let Some(Weighed { offer, energy }) = choice else { return Ok(false) };
         let Candidate { character, splice, keep, kind, interval, .. } = offer.candidate;
         let track = &self.editor.scene().characters[character.as_usize()].track;
         let (count, changed) = (track.frame_count(), splice.new_count(track.frame_count()));
+        let at = self.place(character, interval.0);
         let scene = spliced(self.editor.scene(), character, &splice, keep)
             .expect("a candidate keeps every moment, which its energy has shown");
         self.editor = Editor::new(scene)?;
@@ -117,9 +138,10 @@ impl DiscreteEditor {
         self.log.push(LogEntry {
             character,
             kind,
-            frame: interval.0,
+            at,
+            interval,
             frames: changed as i64 - count as i64,
-            update: self.updates - 1,
+            occasion,
             energy: (before, energy),
         });
         Ok(true)
@@ -131,10 +153,28 @@ impl DiscreteEditor {
     /// As [`DiscreteEditor::update`].
     pub fn settle(&mut self) -> Result<usize, EditError> {
         let mut changes = 0;
-        while self.update()? {
+        while self.update(Occasion::Settling)? {
             changes += 1;
         }
         Ok(changes)
+    }
+
+    /// Clip and file frame that a character's track shows at a track frame, as moments name them.
+    fn place(&self, character: CharacterId, frame: usize) -> String {
+        let Character { name, track, .. } = &self.editor.scene().characters[character.as_usize()];
+        let shows = |(run, start): &(&Run, usize)| *start + run.frame_count() > frame;
+        let Some((run, start)) = track.placed_runs().find(shows) else { return name.clone() };
+        let clip = &track.clips[run.entry];
+        let own = self.rest_angles[character.as_usize()].len();
+        let same = |entry: &usize| track.clips[*entry].name == clip.name;
+        let uses = (0..own).filter(same).count();
+        let number = (0..=run.entry.min(own - 1)).filter(same).count();
+        let file = clip.source_frame(f64::from(run.first.0) + (frame - start) as f64).round();
+        if uses > 1 {
+            format!("{name}/{}#{number}:{file}", clip.name)
+        } else {
+            format!("{name}/{}:{file}", clip.name)
+        }
     }
 
     /// Terms of Ê of the present result, turns at seams included.
@@ -170,9 +210,14 @@ impl DiscreteEditor {
     }
 
     fn candidates_of(&self, character: CharacterId, track: &Track, protected: &Protected) -> Vec<Candidate> {
+        let open = open(self.editor.scene(), character);
+        if self.settings.kinds.is_empty() || !open.contains(&true) {
+            return Vec::new();
+        }
         let still = track.collect(|clip, frame, _| clip.stationary[frame]);
         let clips = &self.clips[character.as_usize()];
-        candidates(&self.graph, &Seen { character, track, clips, protected, still: &still }, &self.settings)
+        let seen = Seen { character, track, clips, protected, still: &still, open: &open };
+        candidates(&self.graph, &seen, &self.settings)
     }
 
     /// Ê if `candidate` happened, for the present targets; `None` where that cannot be solved.
@@ -184,6 +229,35 @@ impl DiscreteEditor {
         let energy = editor.solve().ok()?.energy;
         Some(energy.with_turns(self.settings.turn_weight * turned).total)
     }
+}
+
+/// Which frames of a character's track the scene lets change.
+fn open(scene: &Scene, who: CharacterId) -> Vec<bool> {
+    let track = &scene.characters[who.as_usize()].track;
+    let count = track.frame_count();
+    let Some(discrete) = &scene.discrete else { return vec![true; count] };
+    if discrete.characters.as_ref().is_some_and(|named| !named.contains(&who)) {
+        return vec![false; count];
+    }
+    let mut open = vec![true; count];
+    if let Some(times) = &discrete.times {
+        let own = times.iter().filter(|(from, _)| from.character == who);
+        let spans: Vec<(f64, f64)> =
+            own.map(|(from, to)| (scene.frame_of(from), scene.frame_of(to))).collect();
+        for (frame, open) in open.iter_mut().enumerate() {
+            *open = spans.iter().any(|(from, to)| (*from..=*to).contains(&(frame as f64)));
+        }
+    }
+    if let Some(regions) = &discrete.regions {
+        let places = track.collect(|clip, frame, placement| placement.apply(clip.positions[frame]));
+        for (place, open) in places.iter().zip(&mut open) {
+            let inside = |(low, high): &(c64, c64)| {
+                (low.re..=high.re).contains(&place.re) && (low.im..=high.im).contains(&place.im)
+            };
+            *open &= regions.iter().any(inside);
+        }
+    }
+    open
 }
 
 /// How the rest motion turns each entry of a track; entries that it does not show follow none.

@@ -4,6 +4,7 @@
 
 pub mod candidates;
 pub mod choose;
+pub mod drags;
 pub mod editor;
 pub mod remap;
 pub mod settings;

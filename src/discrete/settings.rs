@@ -2,53 +2,14 @@
 
 use std::ops::RangeInclusive;
 
-use crate::scene::Mode;
-
-/// Types of discrete changes.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub enum Kind {
-    /// Frames are taken out.
-    Deletion,
-    /// Frames are shown twice.
-    Duplication,
-    /// Frames from elsewhere are put in.
-    Insertion,
-    /// Frames give way to others.
-    Replacement,
-}
-
-impl Kind {
-    /// All of them.
-    pub const ALL: [Self; 4] = [Self::Deletion, Self::Duplication, Self::Insertion, Self::Replacement];
-
-    /// As scenes and reports name it.
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Deletion => "delete",
-            Self::Duplication => "duplicate",
-            Self::Insertion => "insert",
-            Self::Replacement => "replace",
-        }
-    }
-}
-
-/// How candidates are weighed.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Evaluator {
-    /// Exactly, in rising order of a lower bound, until what is left cannot win.
-    #[default]
-    Exact,
-    /// Exactly, all of them: the same choice for more work.
-    BruteForce,
-}
+use crate::constraint::{ChangeKind, Evaluator};
+use crate::scene::{Mode, Scene};
 
 /// Settings of discrete editing.
 #[derive(Clone, Debug, PartialEq)]
 pub struct DiscreteSettings {
     /// Types that may happen.
-    pub kinds: Vec<Kind>,
-    /// Track frames within which changes may happen; `None`: everywhere.
-    pub frames: Option<(usize, usize)>,
+    pub kinds: Vec<ChangeKind>,
     /// Fewest frames that come or go (0.3 s).
     pub shortest: usize,
     /// … where somebody stands (0.8 s in production).
@@ -75,8 +36,7 @@ impl DiscreteSettings {
     /// Those of a mode.
     pub fn of(mode: Mode) -> Self {
         let production = Self {
-            kinds: Kind::ALL.to_vec(),
-            frames: None,
+            kinds: ChangeKind::ALL.to_vec(),
             shortest: 9,
             shortest_idle: 24,
             longest: 60,
@@ -103,18 +63,26 @@ impl DiscreteSettings {
         }
     }
 
+    /// Those of a scene: of its mode, as far as it does not say otherwise; without discrete editing no type is allowed.
+    pub fn of_scene(scene: &Scene) -> Self {
+        let mut settings = Self::of(scene.mode);
+        match &scene.discrete {
+            Some(discrete) => {
+                settings.kinds.clone_from(&discrete.kinds);
+                settings.evaluator = discrete.evaluator;
+            }
+            None => settings.kinds.clear(),
+        }
+        settings
+    }
+
     /// Whether changes of this type may happen.
-    pub fn allows(&self, kind: Kind) -> bool {
+    pub fn allows(&self, kind: ChangeKind) -> bool {
         self.kinds.contains(&kind)
     }
 
     /// How many frames may come or go; `idle`: all of them stationary.
     pub fn lengths(&self, idle: bool) -> RangeInclusive<usize> {
         (if idle { self.shortest_idle } else { self.shortest })..=self.longest
-    }
-
-    /// Whether track frames `interval` may come or go.
-    pub fn within(&self, interval: (usize, usize)) -> bool {
-        self.frames.is_none_or(|(first, last)| first <= interval.0 && interval.1 <= last)
     }
 }

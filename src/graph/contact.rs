@@ -32,7 +32,11 @@ mod tests {
         let strikes = |at: usize| Contacts((0..10).map(|frame| [frame >= at, true]).collect());
         for (off, agrees) in [(0, true), (1, true), (2, false)] {
             assert_eq!(strikes(5).agree(5, &strikes(5 + off), 5, 1), agrees, "{off} frames off");
-            assert_eq!(strikes(5 + off).agree(5, &strikes(5), 5, 1), agrees, "{off} frames off, the other way");
+            assert_eq!(
+                strikes(5 + off).agree(5, &strikes(5), 5, 1),
+                agrees,
+                "{off} frames off, the other way"
+            );
             assert_eq!(strikes(5).agree(5, &strikes(5 + off), 5, 0), off == 0);
         }
     }

@@ -28,12 +28,14 @@ pub fn transition_facts(graph: &MotionGraph, clip: usize, working: &WorkingClip)
     let body = graph.bodies[graph.clips[clip].body];
     let (all_pairs, pairs) = own_pairs(graph, clip);
     let moves = moving(working);
-    let (walking, idle): (Vec<&Own>, Vec<&Own>) = pairs.iter().partition(|pair| moves[pair.i] && moves[pair.j]);
+    let (walking, idle): (Vec<&Own>, Vec<&Own>) =
+        pairs.iter().partition(|pair| moves[pair.i] && moves[pair.j]);
     let gait = gait(&working.contacts);
     let phases: Vec<f64> = walking.iter().filter_map(|pair| gait.apart(pair.i, pair.j)).collect();
     let same = phases.iter().filter(|apart| **apart < SAME_PHASE).count();
     let frames = working.frame_count();
-    let turns = pairs.iter().map(|pair| (working.headings[pair.j] - working.headings[pair.i]).to_degrees().abs());
+    let turns =
+        pairs.iter().map(|pair| (working.headings[pair.j] - working.headings[pair.i]).to_degrees().abs());
     TransitionFacts {
         frames,
         median_distance: body.median,

@@ -41,7 +41,12 @@ impl Factors {
     }
 
     /// Squared distances of frames `rows` to frames `columns` of `other`, one matrix product.
-    pub(super) fn distances_sq(&self, rows: Range<usize>, other: &Self, columns: Range<usize>) -> DMatrix<f64> {
+    pub(super) fn distances_sq(
+        &self,
+        rows: Range<usize>,
+        other: &Self,
+        columns: Range<usize>,
+    ) -> DMatrix<f64> {
         self.left.rows_range(rows) * other.right.columns_range(columns)
     }
 

@@ -185,7 +185,11 @@ pub fn search(material: &Material, settings: &GraphSettings) -> MotionGraph {
                 largest_sq: largest * largest,
                 settings: *settings,
             };
-            block.pairs().into_iter().map(|pair| FramePair::of(&pair, clips[a].first, clips[b].first)).collect()
+            block
+                .pairs()
+                .into_iter()
+                .map(|pair| FramePair::of(&pair, clips[a].first, clips[b].first))
+                .collect()
         })
         .collect();
     let mut pairs = found.concat();

@@ -87,7 +87,11 @@ impl Block<'_> {
         let limit = self.largest_sq + tile.rounding;
         let mut found = Vec::new();
         for column in columns.clone() {
-            let end = if self.is_diagonal { rows.end.min((column + 1).saturating_sub(NEIGHBOURS)) } else { rows.end };
+            let end = if self.is_diagonal {
+                rows.end.min((column + 1).saturating_sub(NEIGHBOURS))
+            } else {
+                rows.end
+            };
             let values = tile.nearly.column(column - tile.origin.1);
             for row in rows.start..end {
                 if values[row - tile.origin.0] < limit {
@@ -139,11 +143,17 @@ impl Tile<'_> {
             at(*step).filter(|place| is_open(*place)).is_some_and(|place| {
                 let other = block.distance_sq(place);
                 // Of a plateau the strict rule keeps one: smaller pairs must be less alike.
-                other < exact || (other == exact && block.settings.maxima == Maxima::Strict8 && *step < (0, 0))
+                other < exact
+                    || (other == exact && block.settings.maxima == Maxima::Strict8 && *step < (0, 0))
             })
         };
         let is_kept = exact < block.largest_sq
-            && block.rows.contacts.agree(row, &block.columns.contacts, column, block.settings.contact_tolerance)
+            && block.rows.contacts.agree(
+                row,
+                &block.columns.contacts,
+                column,
+                block.settings.contact_tolerance,
+            )
             && !steps.iter().any(is_beaten);
         is_kept.then(|| Pair { row, column, distance: exact.sqrt() })
     }

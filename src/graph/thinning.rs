@@ -82,7 +82,8 @@ impl Thinning {
     fn strongest_neighbour(&self, pair: &Pair) -> State {
         let mut found = State::Free;
         for (down, right) in excluded() {
-            let place = (pair.row - self.base).checked_add_signed(down).zip(pair.column.checked_add_signed(right));
+            let place =
+                (pair.row - self.base).checked_add_signed(down).zip(pair.column.checked_add_signed(right));
             let Some((row, column)) = place.filter(|(_, column)| *column < self.columns) else { continue };
             match self.states.get(row * self.columns + column) {
                 Some(State::Accepted) => return State::Accepted,
@@ -98,12 +99,18 @@ impl Thinning {
 fn excluded() -> impl Iterator<Item = (isize, isize)> {
     let reach = -SPACING..=SPACING;
     let along = |down: isize| (down - 1..=down + 1).map(move |right| (down, right));
-    reach.flat_map(along).filter(|(down, right)| (down + right).abs() < 2 * SPACING && (*down, *right) != (0, 0))
+    reach
+        .flat_map(along)
+        .filter(|(down, right)| (down + right).abs() < 2 * SPACING && (*down, *right) != (0, 0))
 }
 
 /// Order in which pairs are visited.
 fn key(pair: &Pair) -> (u64, usize, usize) {
-    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "distances are small and not negative")]
+    #[expect(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "distances are small and not negative"
+    )]
     let steps = (pair.distance / EQUAL).round() as u64;
     (steps, pair.row, pair.column)
 }

@@ -14,7 +14,7 @@ use crate::scene::report::{At, Lines, Place, Report};
 use crate::scene::tree::Field;
 use crate::scene::values;
 use crate::scene::{
-    Character, FullBody, Mode, Plants, Scene, Warp, effectors, objects, raw, refuse, things, ties,
+    Character, FullBody, Mode, Plants, Scene, Warp, drags, effectors, objects, raw, refuse, things, ties,
 };
 use crate::track::{Protected, SeamChoice, SeamRule, Track};
 
@@ -35,13 +35,14 @@ pub fn check(
     let cast = cast(raw, &clips, report);
     let objects = objects::objects(raw, report);
     check_unique(raw, report);
-    let checked = match raw.character {
+    let mut checked = match raw.character {
         Field::Spoiled => Checked::default(),
         _ => constraints::check(raw, &cast, lines, report),
     };
     ties::warn_of_untied(&checked, &cast, report);
     objects::check_order(&checked, &cast, report);
     let characters = characters(raw, &cast, &checked, report);
+    let drags = drags::bind(&mut checked, &characters, cast.len());
     Scene {
         title: raw.title.value().cloned().unwrap_or_else(|| {
             path.file_stem().map_or_else(String::new, |stem| stem.to_string_lossy().into_owned())
@@ -53,6 +54,9 @@ pub fn check(
         constraints: checked.constraints,
         carries: checked.carries,
         end_effectors: checked.end_effectors,
+        drags,
+        discrete: checked.discrete,
+        captured: BTreeMap::new(),
         warp: warp(&raw.warp, report),
         full_body: full_body(&raw.full_body),
     }
