@@ -52,6 +52,7 @@ pub mod embody;
 pub mod metrics;
 pub mod residual;
 pub mod export;
+pub mod graph_cache;
 
 /// The examples of the README compile.
 #[cfg(doctest)]

@@ -4,15 +4,20 @@ use std::collections::BTreeMap;
 use std::fs;
 use std::path::Path;
 use std::process::{Command, Output};
+use std::sync::Arc;
 
 use cotillion::clip::builtin::generate;
 use cotillion::clip::read::{Capture, ReadOptions, Up, read};
-use cotillion::export::picture::{StripOptions, StripView, clip_svg, strip_svg, to_png};
+use cotillion::clip::working::WorkingClip;
+use cotillion::export::picture::{StripOptions, StripView, clip_svg, graph_svg, strip_svg, to_png};
+use cotillion::graph::facts::transition_facts;
+use cotillion::graph::{GraphSettings, motion_graph};
 use serde_json::Value;
 
 fn cotillion(arguments: &[&str]) -> Output {
     let mut command = Command::new(env!("CARGO_BIN_EXE_cotillion"));
     command.args(arguments).env_remove("COTILLION_MOCAP").env("NO_COLOR", "1");
+    command.env("XDG_CACHE_HOME", env!("CARGO_TARGET_TMPDIR"));
     command.output().expect("the program starts")
 }
 
@@ -65,6 +70,11 @@ fn every_clip_has_pictures_however_odd_it_is() {
             .unwrap_or_else(|error| panic!("{index}: {error}"))
             .clip;
         assert_sound(&clip_svg(&clip));
+        let (first, last) = clip.usable;
+        let working = Arc::new(WorkingClip::new("odd", Arc::new(clip.clone()), first, last));
+        let graph = motion_graph(std::slice::from_ref(&working), &GraphSettings::default());
+        assert_sound(&graph_svg(&working, &graph, 0));
+        assert!(transition_facts(&graph, 0, &working).per_second.is_finite());
         for view in VIEWS {
             assert_sound(&strip_svg(&clip, &StripOptions { poses: 5, view }));
         }
@@ -142,6 +152,34 @@ fn pictures_leave_the_json_alone() {
     assert!(facts[0]["displacement"].is_f64() && facts[0]["turn_deg"].is_f64());
     assert_eq!(facts[0]["missing_roles"].as_array().map(Vec::len), Some(0));
     assert!(file.exists());
+}
+
+#[test]
+fn transitions_are_told_drawn_and_kept_unless_forbidden() {
+    let home = tempfile::tempdir().expect("a temporary folder");
+    let (file, cache) = (home.path().join("walk.svg"), home.path().join("cache"));
+    let inspect = |more: &[&str]| {
+        let output = cotillion(&[&["inspect", "builtin:walk,seconds=8"], more].concat());
+        assert_eq!(output.status.code(), Some(0), "{}", said(&output.stderr));
+        output
+    };
+    let output = inspect(&["--json", "--no-cache", "--graph", text(&file)]);
+    let facts: Value = serde_json::from_slice(&output.stdout).expect("JSON and nothing else");
+    let transitions = &facts[0]["transitions"];
+    assert!(transitions["per_second"].as_f64().is_some_and(|count| count > 2.0), "{transitions}");
+    assert_eq!((transitions["whole_cycles"].as_f64(), transitions["without"].as_u64()), (Some(1.0), Some(0)));
+    assert!(fs::read_to_string(&file).is_ok_and(|svg| svg.contains("pairs, 0.3 to 2 s")));
+    let first = inspect(&["--cache", text(&cache)]);
+    assert!(said(&first.stdout).contains("\n  transitions "), "{}", said(&first.stdout));
+    let [name] = &names_in(&cache)[..] else { panic!("one graph is kept") };
+    fs::write(cache.join(name), "spoiled").expect("a file");
+    let second = inspect(&["--cache", text(&cache)]);
+    assert_eq!(first.stdout, second.stdout);
+    let (noted, silent) = (said(&second.stderr), said(&inspect(&["--cache", text(&cache)]).stderr));
+    assert!(
+        noted.starts_with("note: ") && noted.contains("discarded") && silent.is_empty(),
+        "{noted} {silent}"
+    );
 }
 
 #[test]

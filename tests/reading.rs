@@ -53,6 +53,7 @@ fn text(path: &Path) -> &str {
 fn cotillion(arguments: &[&str]) -> Output {
     let mut command = Command::new(env!("CARGO_BIN_EXE_cotillion"));
     command.args(arguments).env_remove("COTILLION_MOCAP").env("NO_COLOR", "1");
+    command.env("XDG_CACHE_HOME", env!("CARGO_TARGET_TMPDIR"));
     command.output().expect("the program starts")
 }
 

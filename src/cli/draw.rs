@@ -1,11 +1,15 @@
-//! Pictures of clips: `cotillion inspect --picture` and `--strip`.
+//! Pictures of clips: `cotillion inspect --picture`, `--strip` and `--graph`.
 
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use clap::{Args, ValueEnum};
-use cotillion::clip::Clip;
+use cotillion::clip::working::WorkingClip;
 use cotillion::export::files::file_names;
-use cotillion::export::picture::{PictureError, StripOptions, StripView, clip_svg, strip_svg, to_png};
+use cotillion::export::picture::{
+    PictureError, StripOptions, StripView, clip_svg, graph_svg, strip_svg, to_png,
+};
+use cotillion::graph::MotionGraph;
 use rayon::prelude::*;
 
 use super::Failure;
@@ -21,6 +25,9 @@ pub(super) struct DrawArgs {
     /// Draw poses side by side: an .svg or .png of one clip, else a folder for NAME.strip.png of each.
     #[arg(long, value_name = "FILE|DIR", help_heading = "Pictures")]
     strip: Option<PathBuf>,
+    /// Draw the distances of all pairs of frames and the transitions: an .svg or .png of one clip, else a folder for NAME.graph.png of each.
+    #[arg(long, value_name = "FILE|DIR", help_heading = "Pictures")]
+    graph: Option<PathBuf>,
     /// Number of poses of a strip; those nearest to events show the events.
     #[arg(long, value_name = "N", default_value_t = 12, value_parser = clap::value_parser!(u16).range(1..=200), requires = "strip", help_heading = "Pictures")]
     poses: u16,
@@ -53,17 +60,36 @@ impl From<ViewChoice> for StripView {
 /// Width of a PNG over that of its SVG: sharp on dense screens.
 const PNG_SCALE: f64 = 1.25;
 
+/// A clip with its motion graph, if it is not too long for one.
+pub(super) struct Drawable {
+    pub(super) working: Arc<WorkingClip>,
+    pub(super) graph: Option<MotionGraph>,
+}
+
+impl DrawArgs {
+    /// Whether motion graphs are to be drawn.
+    pub(super) fn asks_for_graph(&self) -> bool {
+        self.graph.is_some()
+    }
+}
+
 /// Draws what is asked for of all clips; nothing of none.
-pub(super) fn draw(output: &Output, args: &DrawArgs, clips: &[Clip]) -> Result<(), Failure> {
+pub(super) fn draw(output: &Output, args: &DrawArgs, clips: &[Drawable]) -> Result<(), Failure> {
     if clips.is_empty() {
         return Ok(());
     }
     if let Some(path) = &args.picture {
-        write(output, path, (clips, "picture"), clip_svg)?;
+        write(output, path, (clips, "picture"), |own| clip_svg(&own.working.clip))?;
     }
     if let Some(path) = &args.strip {
         let options = StripOptions { poses: usize::from(args.poses), view: args.view.into() };
-        write(output, path, (clips, "strip"), |clip| strip_svg(clip, &options))?;
+        write(output, path, (clips, "strip"), |own| strip_svg(&own.working.clip, &options))?;
+    }
+    if let Some(path) = &args.graph {
+        write(output, path, (clips, "graph"), |own| {
+            let graph = own.graph.as_ref().expect("who asks for graphs gets errors where there are none");
+            graph_svg(&own.working, graph, 0)
+        })?;
     }
     Ok(())
 }
@@ -72,8 +98,8 @@ pub(super) fn draw(output: &Output, args: &DrawArgs, clips: &[Clip]) -> Result<(
 fn write(
     output: &Output,
     path: &Path,
-    (clips, kind): (&[Clip], &str),
-    svg: impl Fn(&Clip) -> String + Sync,
+    (clips, kind): (&[Drawable], &str),
+    svg: impl Fn(&Drawable) -> String + Sync,
 ) -> Result<(), Failure> {
     let files = places(path, clips, kind).map_err(|error| output.fail(error))?;
     let drawn: Vec<Result<Vec<u8>, PictureError>> = clips
@@ -97,14 +123,14 @@ fn write(
 }
 
 /// The file of each clip.
-fn places(path: &Path, clips: &[Clip], kind: &str) -> Result<Vec<PathBuf>, PlainError> {
+fn places(path: &Path, clips: &[Drawable], kind: &str) -> Result<Vec<PathBuf>, PlainError> {
     if !is(path, "svg") && !is(path, "png") {
         if path.extension().is_some() && !path.is_dir() {
             let message = "pictures are written as .svg and .png".to_owned();
             let help = Some("end the name in one of these, or name a folder".to_owned());
             return Err(plain(&path.display().to_string(), message, help));
         }
-        let names: Vec<&str> = clips.iter().map(|clip| clip.name.as_str()).collect();
+        let names: Vec<&str> = clips.iter().map(|own| own.working.name.as_str()).collect();
         return Ok(file_names(&names).iter().map(|name| path.join(format!("{name}.{kind}.png"))).collect());
     }
     if clips.len() == 1 {

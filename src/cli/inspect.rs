@@ -3,33 +3,35 @@
 use std::path::Path;
 use std::sync::Arc;
 
-use cotillion::clip::Clip;
 use cotillion::clip::builtin::{self, BuiltinError, BuiltinInfo};
 use cotillion::clip::inspect::{ClipFacts, facts_text, inspect as facts_of};
 use cotillion::clip::read::ReadOptions;
 use cotillion::clip::working::WorkingClip;
+use cotillion::graph::GraphSettings;
 use cotillion::graph::facts::transition_facts;
-use cotillion::graph::{GraphSettings, motion_graph};
+use cotillion::graph_cache::{CacheNote, cached_graph};
 use rayon::prelude::*;
 use serde_json::json;
 
 use super::capture::{parameters, plain};
 use super::convert::write_bvh;
-use super::draw::draw;
+use super::draw::{Drawable, draw};
 use super::output::{Output, PlainError};
 use super::{ClipsArgs, Failure, InspectArgs};
 
 pub(crate) fn inspect(args: &InspectArgs) -> Result<(), Failure> {
     let output = Output::new(args.manner);
     let options = args.read.options().map_err(|error| output.fail(error))?;
-    let read: Vec<Result<(Clip, ClipFacts), PlainError>> =
-        args.clips.par_iter().map(|path| clip_and_facts(path, args, &options)).collect();
+    let cache = args.cache.folder();
+    let read: Vec<Result<Inspected, PlainError>> =
+        args.clips.par_iter().map(|path| inspected(path, args, (&options, cache.as_deref()))).collect();
     let (mut clips, mut facts, mut errors) = (Vec::new(), Vec::new(), Vec::new());
     for clip in read {
         match clip {
-            Ok((clip, own)) => {
-                clips.push(clip);
+            Ok(Inspected { drawable, facts: own, notes }) => {
+                clips.push(drawable);
                 facts.push(own);
+                notes.iter().for_each(|note| output.note(&note.to_string()));
             }
             Err(error) => errors.push(error),
         }
@@ -46,18 +48,40 @@ pub(crate) fn inspect(args: &InspectArgs) -> Result<(), Failure> {
     Err(Failure::BadInput)
 }
 
-fn clip_and_facts(
+/// A clip with all that is told and drawn of it.
+struct Inspected {
+    drawable: Drawable,
+    facts: ClipFacts,
+    notes: Vec<CacheNote>,
+}
+
+fn inspected(
     path: &Path,
     args: &InspectArgs,
-    options: &ReadOptions,
-) -> Result<(Clip, ClipFacts), PlainError> {
+    (options, cache): (&ReadOptions, Option<&Path>),
+) -> Result<Inspected, PlainError> {
     let read = args.read.read(path, options)?;
     let mut facts = facts_of(&path.display().to_string(), &read);
     let (first, last) = read.clip.usable;
-    let working = Arc::new(WorkingClip::new(&read.clip.name, Arc::new(read.clip.clone()), first, last));
-    let graph = motion_graph(std::slice::from_ref(&working), &GraphSettings::default());
+    let name = read.clip.name.clone();
+    let working = Arc::new(WorkingClip::new(&name, Arc::new(read.clip), first, last));
+    if working.frame_count() > MOST_FRAMES {
+        if args.draw.asks_for_graph() {
+            return Err(too_long(&facts.file, working.frame_count()));
+        }
+        return Ok(Inspected { drawable: Drawable { working, graph: None }, facts, notes: Vec::new() });
+    }
+    let (graph, notes) = cached_graph(std::slice::from_ref(&working), &GraphSettings::default(), cache);
     facts.transitions = Some(transition_facts(&graph, 0, &working));
-    Ok((read.clip, facts))
+    Ok(Inspected { drawable: Drawable { working, graph: Some(graph) }, facts, notes })
+}
+
+/// Longer clips are shown without transitions, whose cost is quadratic; working frames, eleven minutes.
+const MOST_FRAMES: usize = 20_000;
+
+fn too_long(file: &str, frames: usize) -> PlainError {
+    let message = format!("{frames} working frames; the motion graph of up to {MOST_FRAMES} is drawn");
+    plain(file, message, Some("choose a part with --frames FIRST..LAST".to_owned()))
 }
 
 /// Lists generated clips, or writes one.

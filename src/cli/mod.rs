@@ -2,6 +2,7 @@
 
 mod bench;
 mod bvh_args;
+mod cache;
 mod capture;
 mod check;
 mod convert;
@@ -17,6 +18,7 @@ use clap::{Args, Parser, Subcommand, ValueEnum};
 use cotillion::edit::Backend;
 
 use bvh_args::BvhArgs;
+use cache::CacheArgs;
 use draw::DrawArgs;
 use output::Output;
 
@@ -34,7 +36,7 @@ enum Command {
     Run(RunArgs),
     /// Read and validate scenes; solve nothing.
     Check(CheckArgs),
-    /// Show the facts of clips: skeleton, rate, units, path, contacts, flights, stationary stretches; draw them.
+    /// Show the facts of clips: skeleton, rate, units, path, contacts, flights, stationary stretches, transitions; draw them.
     Inspect(InspectArgs),
     /// Write a clip as BVH: another rate, unit, rotation order, other joint names.
     Convert(ConvertArgs),
@@ -117,6 +119,8 @@ struct InspectArgs {
     read: capture::ReadArgs,
     #[command(flatten)]
     draw: DrawArgs,
+    #[command(flatten)]
+    cache: CacheArgs,
     #[command(flatten)]
     manner: Manner,
 }

@@ -102,6 +102,13 @@ impl Output {
         }
     }
 
+    /// Tells people of something that went another way than planned and did no harm.
+    pub(crate) fn note(&self, text: &str) {
+        if !self.manner.json && !self.manner.quiet {
+            self.print_error(&format!("note: {text}\n"));
+        }
+    }
+
     /// Tells of errors that are not about a place in a scene file.
     pub(crate) fn errors(&self, errors: &[PlainError]) {
         if self.manner.json {

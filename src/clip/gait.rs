@@ -1,4 +1,4 @@
-//! Where in its cycle a gait is: from the strikes of the feet, and from how far one foot is ahead of the other.
+//! Where in its cycle a gait is: from the strikes of the feet, which alternate, and from how far one foot is ahead of the other.
 
 use crate::clip::contacts::{BodyPoint, FootContacts, FootPoint, foot_point, runs};
 use crate::clip::working::WorkingClip;
@@ -6,6 +6,8 @@ use crate::geometry::{cis, plan_of};
 
 /// Strikes of one foot nearer than this are one that was seen twice, farther apart a rest between them, frames (0.4 s, 2 s).
 const CYCLE: (usize, usize) = (12, 60);
+/// The other foot strikes at least this share of a cycle after and before the one: together they hop.
+const ALTERNATE: f64 = 0.2;
 
 /// Phase of a gait, working frame by working frame.
 #[derive(Clone, Debug, PartialEq)]
@@ -15,35 +17,46 @@ pub struct Gait {
     pub left: Vec<Option<f64>>,
     /// The same of the right foot.
     pub right: Vec<Option<f64>>,
-    /// Median length of the cycles of both feet, frames; `None` where no foot strikes twice.
+    /// Median length of the cycles of both feet, frames; `None` where no foot strikes twice with the
+    /// other in between.
     pub cycle: Option<usize>,
 }
 
-/// Gait of a clip by the contacts of its feet.
-pub fn gait(contacts: &[FootContacts]) -> Gait {
+/// Gait of a clip by the contacts of its feet and by which frames move: who stands shifts feet without a gait. One of each a
+/// working frame.
+pub fn gait(contacts: &[FootContacts], moves: &[bool]) -> Gait {
     let left: Vec<bool> = contacts.iter().map(|contact| contact.left_heel || contact.left_toe).collect();
     let right: Vec<bool> = contacts.iter().map(|contact| contact.right_heel || contact.right_toe).collect();
-    let mut lengths: Vec<usize> =
-        [&left, &right].into_iter().flat_map(|bears| cycles(bears)).map(|(from, to)| to - from).collect();
+    let (left, right) = (strikes(&left), strikes(&right));
+    let goes_on = |(from, to): &(usize, usize)| moves[*from..*to].iter().all(|moves| *moves);
+    let of_left: Vec<(usize, usize)> = cycles(&left, &right).into_iter().filter(goes_on).collect();
+    let of_right: Vec<(usize, usize)> = cycles(&right, &left).into_iter().filter(goes_on).collect();
+    let mut lengths: Vec<usize> = of_left.iter().chain(&of_right).map(|(from, to)| to - from).collect();
     lengths.sort_unstable();
     let cycle = lengths.get(lengths.len() / 2).copied();
-    Gait { left: phases(&left), right: phases(&right), cycle }
+    Gait { left: phases(&of_left, contacts.len()), right: phases(&of_right, contacts.len()), cycle }
 }
 
-/// Frames at which the foot comes down, from each of them to the next.
-fn cycles(bears: &[bool]) -> Vec<(usize, usize)> {
-    // A foot that bears from the first frame on has come down at a frame that nobody saw.
-    let strikes: Vec<usize> =
-        runs(bears).into_iter().map(|(first, _)| first).filter(|first| *first > 0).collect();
+/// Frames at which a foot comes down. One that bears from the first frame on has come down at a frame that nobody saw.
+fn strikes(bears: &[bool]) -> Vec<usize> {
+    runs(bears).into_iter().map(|(first, _)| first).filter(|first| *first > 0).collect()
+}
+
+/// From strike to strike of one foot, where the other strikes well in between.
+fn cycles(strikes: &[usize], other: &[usize]) -> Vec<(usize, usize)> {
+    let alternates = |(from, to): &(usize, usize)| {
+        let margin = ALTERNATE * (to - from) as f64;
+        other.iter().any(|at| *at as f64 >= *from as f64 + margin && *at as f64 <= *to as f64 - margin)
+    };
     let pairs = strikes.windows(2).map(|pair| (pair[0], pair[1]));
-    pairs.filter(|(from, to)| (CYCLE.0..=CYCLE.1).contains(&(to - from))).collect()
+    pairs.filter(|(from, to)| (CYCLE.0..=CYCLE.1).contains(&(to - from))).filter(alternates).collect()
 }
 
-fn phases(bears: &[bool]) -> Vec<Option<f64>> {
-    let mut phases = vec![None; bears.len()];
-    for (from, to) in cycles(bears) {
-        for (frame, phase) in phases.iter_mut().enumerate().take(to).skip(from) {
-            *phase = Some((frame - from) as f64 / (to - from) as f64);
+fn phases(cycles: &[(usize, usize)], frames: usize) -> Vec<Option<f64>> {
+    let mut phases = vec![None; frames];
+    for (from, to) in cycles {
+        for (passed, phase) in phases[*from..*to].iter_mut().enumerate() {
+            *phase = Some(passed as f64 / (to - from) as f64);
         }
     }
     phases
@@ -95,7 +108,7 @@ mod tests {
 
     #[test]
     fn a_cycle_lasts_from_strike_to_strike() {
-        let gait = gait(&steps(100));
+        let gait = gait(&steps(100), &[true; 100]);
         assert_eq!(gait.cycle, Some(30));
         assert_eq!(
             (gait.left[4], gait.left[5], gait.left[20], gait.left[95]),
@@ -104,6 +117,16 @@ mod tests {
         assert_eq!(gait.apart(10, 40), Some(0.0));
         assert_eq!(gait.apart(10, 55), Some(0.5));
         assert_eq!(gait.apart(0, 10), None);
+        assert_eq!(super::gait(&steps(100), &[false; 100]).cycle, None, "on the spot");
+    }
+
+    #[test]
+    fn hops_are_no_gait() {
+        let mut contacts = steps(100);
+        contacts.iter_mut().for_each(|contact| contact.right_toe = contact.left_heel);
+        assert_eq!(gait(&contacts, &[true; 100]).cycle, None, "on both feet");
+        contacts.iter_mut().for_each(|contact| contact.right_toe = false);
+        assert_eq!(gait(&contacts, &[true; 100]).cycle, None, "on one foot");
     }
 
     #[test]
@@ -113,6 +136,6 @@ mod tests {
             *contact = FootContacts { left_heel: true, right_toe: true, ..FootContacts::default() };
         }
         contacts[33].left_heel = false;
-        assert_eq!(gait(&contacts).cycle, None);
+        assert_eq!(gait(&contacts, &[true; 100]).cycle, None);
     }
 }

@@ -19,7 +19,7 @@ impl Contacts {
             let end = (frame + tolerance + 1).min(contacts.0.len());
             contacts.0[frame.saturating_sub(tolerance)..end].iter().any(|feet| feet[foot] == bears)
         };
-        (0..2).all(|foot| near(other, j, foot, self.0[i][foot]) || near(self, i, foot, other.0[j][foot]))
+        (0..2).all(|foot| near(other, j, foot, self.0[i][foot]) && near(self, i, foot, other.0[j][foot]))
     }
 }
 

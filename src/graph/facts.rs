@@ -7,11 +7,11 @@ use super::reach::largest_loop;
 use crate::clip::gait::{feet_apart, gait};
 use crate::clip::inspect::TransitionFacts;
 use crate::clip::working::{WORKING_STEP, WorkingClip};
-use crate::index::{FrameIndex, GraphFrame};
+use crate::index::GraphFrame;
 use crate::similarity::{NEIGHBOURS, moving};
 
 /// Frames that an edit may take out or repeat at once: 0.3 to 2 s.
-pub const EDITABLE: RangeInclusive<u32> = NEIGHBOURS as u32..=60;
+pub const EDITABLE: RangeInclusive<usize> = NEIGHBOURS..=60;
 /// Phases nearer than this are the same, cycles.
 const SAME_PHASE: f64 = 0.1;
 /// Frames around a pair that it serves.
@@ -30,7 +30,7 @@ pub fn transition_facts(graph: &MotionGraph, clip: usize, working: &WorkingClip)
     let moves = moving(working);
     let (walking, idle): (Vec<&Own>, Vec<&Own>) =
         pairs.iter().partition(|pair| moves[pair.i] && moves[pair.j]);
-    let gait = gait(&working.contacts);
+    let gait = gait(&working.contacts, &moves);
     let phases: Vec<f64> = walking.iter().filter_map(|pair| gait.apart(pair.i, pair.j)).collect();
     let same = phases.iter().filter(|apart| **apart < SAME_PHASE).count();
     let frames = working.frame_count();
@@ -57,14 +57,14 @@ pub fn transition_facts(graph: &MotionGraph, clip: usize, working: &WorkingClip)
 /// How many pairs have both frames in the clip, and those of them that edits may use.
 fn own_pairs(graph: &MotionGraph, clip: usize) -> (usize, Vec<Own>) {
     let of = &graph.clips[clip];
-    let end = of.first.0 + u32::try_from(of.frames).unwrap_or(u32::MAX);
+    let first = of.first.as_usize();
     let (mut all, mut pairs) = (0, Vec::new());
-    for i in (of.first.0..end).map(GraphFrame) {
-        for (j, _) in graph.similar_to(i).filter(|(j, _)| *j > i && j.0 < end) {
+    for i in 0..of.frames {
+        let similar = graph.similar_to(GraphFrame::from_usize(first + i)).map(|(j, _)| j.as_usize());
+        for j in similar.filter(|j| (first + i + 1..first + of.frames).contains(j)).map(|j| j - first) {
             all += 1;
-            if EDITABLE.contains(&(j.0 - i.0)) {
-                let (i, j) = (graph.place(i).1, graph.place(j).1);
-                pairs.push(Own { i: FrameIndex::as_usize(i), j: j.as_usize() });
+            if EDITABLE.contains(&(j - i)) {
+                pairs.push(Own { i, j });
             }
         }
     }

@@ -8,8 +8,8 @@
 //!
 //! # Cost
 //! The distance matrix of n frames of one body is a matrix product, `n²/2` entries of about 90 features, in tiles and in
-//! parallel; it is never held. Memory is that of the features and of the pairs that are kept (about 1 kB a frame each, in walks).
-//! Bench `graph` has the times.
+//! parallel; it is never held. Memory is 2 kB a frame for features, and 40 bytes for each pair that is kept, of which there are
+//! about n²/400 in steady walks and n²/100 where somebody stands all the time. Bench `graph` has the times.
 //!
 //! Source: Kim et al. 2009, §5.1, after Lee et al., *Interactive Control of Avatars Animated with Human Motion Data*, SIGGRAPH
 //! 2002 (contact agreement, local maxima) and Lee & Lee, *Precomputing Avatar Behavior from Human Motion Data*, 2006 (features).
@@ -20,7 +20,11 @@ mod contact;
 pub mod facts;
 mod matrix;
 pub mod reach;
+pub mod scene;
 mod search;
+pub mod stored;
+#[cfg(test)]
+mod tests;
 mod thinning;
 
 use std::sync::Arc;
@@ -29,7 +33,7 @@ use rayon::prelude::*;
 
 use self::contact::Contacts;
 use self::matrix::Factors;
-use self::search::{Block, Side};
+use self::search::{Block, Side, TILE};
 use crate::clip::working::WorkingClip;
 use crate::index::{FrameIndex, GraphFrame};
 use crate::similarity::{Admissible, Features, admissible, features, mean_rotations};
@@ -54,7 +58,8 @@ impl Default for GraphSettings {
 /// Which local maxima of similarity are kept.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Maxima {
-    /// At least as alike as the six neighbours off their own diagonal; along a diagonal and those next to it one in five frames.
+    /// At least as alike as the six neighbours off their own diagonal; of those within five frames along a
+    /// diagonal and those next to it, the most alike.
     #[default]
     Ridge,
     /// At least as alike as all eight neighbours: the published rule.
@@ -184,6 +189,7 @@ pub fn search(material: &Material, settings: &GraphSettings) -> MotionGraph {
                 is_diagonal: a == b,
                 largest_sq: largest * largest,
                 settings: *settings,
+                tile: TILE,
             };
             block
                 .pairs()

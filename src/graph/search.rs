@@ -11,8 +11,8 @@ use super::thinning::{Pair, Thinning};
 use super::{GraphSettings, Maxima};
 use crate::similarity::{Features, NEIGHBOURS};
 
-/// Rows and columns of a tile: its distances stay in the cache.
-const TILE: (usize, usize) = (128, 256);
+/// Rows and columns of a tile: its distances stay in the processor's cache.
+pub(super) const TILE: (usize, usize) = (128, 256);
 
 /// A clip as the search sees it.
 pub(super) struct Side {
@@ -36,6 +36,8 @@ pub(super) struct Block<'a> {
     pub largest_sq: f64,
     /// Which pairs are kept.
     pub settings: GraphSettings,
+    /// Rows and columns of a tile; the pairs do not depend on it.
+    pub tile: (usize, usize),
 }
 
 /// Steps from a pair to its six neighbours off its own diagonal.
@@ -49,8 +51,8 @@ impl Block<'_> {
         let rows = frames(self.rows);
         let mut strict = Vec::new();
         let mut thinning = Thinning::new(frames(self.columns));
-        for start in (0..rows).step_by(TILE.0) {
-            let end = (start + TILE.0).min(rows);
+        for start in (0..rows).step_by(self.tile.0) {
+            let end = (start + self.tile.0).min(rows);
             let found = self.band(start..end);
             match self.settings.maxima {
                 Maxima::Ridge => thinning.add_band(found, end, end == rows),
@@ -64,16 +66,16 @@ impl Block<'_> {
     /// Local maxima of similarity in some rows.
     fn band(&self, rows: Range<usize>) -> Vec<Pair> {
         let first = if self.is_diagonal { rows.start + NEIGHBOURS } else { 0 };
-        let starts: Vec<usize> = (first..frames(self.columns)).step_by(TILE.1).collect();
+        let starts: Vec<usize> = (first..frames(self.columns)).step_by(self.tile.1).collect();
         let tiles = starts.into_par_iter().map(|start| {
-            let columns = start..(start + TILE.1).min(frames(self.columns));
-            self.tile(&rows, &columns)
+            let columns = start..(start + self.tile.1).min(frames(self.columns));
+            self.maxima(&rows, &columns)
         });
         tiles.collect::<Vec<_>>().concat()
     }
 
     /// Local maxima of similarity in one tile.
-    fn tile(&self, rows: &Range<usize>, columns: &Range<usize>) -> Vec<Pair> {
+    fn maxima(&self, rows: &Range<usize>, columns: &Range<usize>) -> Vec<Pair> {
         let tile = Tile {
             block: self,
             rounding: self.rows.factors.rounding(&self.columns.factors),

@@ -11,15 +11,15 @@ pub(super) struct Pair {
     pub distance: f64,
 }
 
-/// Accepted pairs on one diagonal are so many frames apart, or more.
-const SPACING: isize = 5;
-/// Rows by which two pairs that exclude each other can differ.
+/// Accepted pairs on one diagonal, or on adjacent ones, are farther apart than this, frames.
+const WITHIN: isize = 5;
+/// Rows by which two pairs that exclude each other differ at most.
 const REACH: usize = 5;
 /// Distances are compared in steps of this: what lies below is what rounding leaves of equal poses.
 const EQUAL: f64 = 1e-9;
 
 /// Accepts pairs from the most alike on, each unless an accepted one lies within five frames along its own diagonal of the
-/// matrix or an adjacent one; ties go to the smaller row, then column. Takes rows in bands and keeps only those that are not
+/// matrix or an adjacent one (a motion of period T keeps one pair in six frames on every diagonal j − i = mT); ties go to the smaller row, then column. Takes rows in bands and keeps only those that are not
 /// settled yet: the result is the same as with all at once.
 pub(super) struct Thinning {
     columns: usize,
@@ -55,7 +55,7 @@ impl Thinning {
             self.states[(pair.row - self.base) * self.columns + pair.column] = State::Free;
         }
         open.extend(pairs);
-        open.sort_unstable_by(|a, b| key(a).cmp(&key(b)));
+        open.sort_unstable_by_key(key);
         for pair in open {
             let known = is_last || pair.row + REACH < end;
             let state = match self.strongest_neighbour(&pair) {
@@ -97,11 +97,10 @@ impl Thinning {
 
 /// Rows and columns from a pair to those that it excludes.
 fn excluded() -> impl Iterator<Item = (isize, isize)> {
-    let reach = -SPACING..=SPACING;
     let along = |down: isize| (down - 1..=down + 1).map(move |right| (down, right));
-    reach
-        .flat_map(along)
-        .filter(|(down, right)| (down + right).abs() < 2 * SPACING && (*down, *right) != (0, 0))
+    // Halfway between rows and columns, so that a matrix and its transpose keep the same pairs.
+    let is_near = |(down, right): &(isize, isize)| (down + right).abs() <= 2 * WITHIN;
+    (-WITHIN..=WITHIN).flat_map(along).filter(is_near).filter(|step| *step != (0, 0))
 }
 
 /// Order in which pairs are visited.

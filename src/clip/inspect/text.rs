@@ -95,7 +95,7 @@ fn phases(facts: &ClipFacts) -> Vec<Entry> {
     entries.push(("flights", range_list(&flights), 2));
     entries.push(("stationary", range_list(&facts.stationary), 2));
     if let Some(transitions) = &facts.transitions {
-        entries.push(("transitions", transitions.text(), 2));
+        entries.push(("transitions", transitions.text(), 1));
     }
     if !facts.events.is_empty() {
         let events: Vec<String> =
@@ -223,7 +223,7 @@ mod tests {
 
     use super::*;
     use crate::clip::builtin::generate;
-    use crate::clip::inspect::{RoleFact, inspect};
+    use crate::clip::inspect::{EventFact, RoleFact, TransitionFacts, inspect};
     use crate::clip::read::{ReadClip, Up};
 
     fn facts() -> ClipFacts {
@@ -242,6 +242,10 @@ mod tests {
         assert!(fits(&facts_text(&facts)));
         facts.file = "x/".repeat(200);
         facts.warnings = (0..50).map(|index| format!("{index} {}", "word ".repeat(90))).collect();
+        let (pairs, whole_cycles) = (1_000_000, Some(0.5));
+        let transitions = TransitionFacts { pairs, idle: pairs, whole_cycles, ..TransitionFacts::default() };
+        facts.transitions = Some(transitions);
+        facts.events = (0..50).map(|frame| EventFact { name: "event".repeat(5), frame }).collect();
         let contacts = &facts.contacts;
         facts.flights = (0..3000).map(|index| contacts[index % contacts.len()].clone()).collect();
         for role in &mut facts.roles {

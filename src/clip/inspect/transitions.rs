@@ -40,17 +40,18 @@ pub struct TransitionFacts {
 }
 
 impl TransitionFacts {
-    /// All of it in two lines of a screen at most.
+    /// What matters of it, in a line.
     pub(super) fn text(&self) -> String {
         if self.pairs == 0 {
             return "none from 0.3 to 2 s".to_owned();
         }
-        let mut text = format!("{:.1} a second ({} from 0.3 to 2 s", self.per_second, self.pairs);
-        text += &if self.idle > 0 { format!(", {} of them idle)", self.idle) } else { ")".to_owned() };
-        if let Some(share) = self.whole_cycles {
-            text += &format!("; whole cycles {:.0} %", 100.0 * share);
+        let mut text = format!("{:.1} a second", self.per_second);
+        if self.idle > 0 {
+            text += &format!(" ({} of {} idle)", self.idle, self.pairs);
         }
-        let share = 100.0 * self.without as f64 / self.frames as f64;
-        text + &format!("; {} frames ({share:.0} %) have none within 10", self.without)
+        if let Some(share) = self.whole_cycles {
+            text += &format!(", whole cycles {:.0} %", 100.0 * share);
+        }
+        text + &format!("; none near {} of {} frames", self.without, self.frames)
     }
 }

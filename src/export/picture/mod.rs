@@ -12,6 +12,7 @@ mod flags;
 mod handles;
 mod labels;
 mod legend;
+mod matrix;
 mod objects;
 mod plan;
 mod png;
@@ -23,6 +24,7 @@ mod view;
 
 pub use chart::{Chart, Series, chart_svg};
 pub use clip::clip_svg;
+pub use matrix::graph_svg;
 pub use png::{PictureError, to_png};
 pub use strip::{StripOptions, StripView, strip_svg};
 
