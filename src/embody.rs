@@ -77,7 +77,7 @@ pub fn embody<'a>(scene: &'a Scene, edit: &'a Edit, resampled: &mut Resampled) -
 /// One character; `clock`: scene time of output frame 0, and how many the character has.
 fn body(moved: &Moved<'_>, objects: &[ObjectMotion], who: CharacterId, clock: (f64, usize)) -> Body {
     let scene = moved.scene;
-    let times = sample_times(moved, who, clock);
+    let times = sample_times(scene, moved, who, clock);
     let track = &scene.characters[who.as_usize()].track;
     let frames: Vec<f64> = times.iter().map(|time| moved.frame(who, *time)).collect();
     let stage = Stage { scene, performance: moved, objects };
@@ -99,9 +99,15 @@ fn body(moved: &Moved<'_>, objects: &[ObjectMotion], who: CharacterId, clock: (f
     Body { times, moved, poses: refined.poses, planted: refined.planted, report: refined.report }
 }
 
-/// Output frames, and constrained moments between them.
-fn sample_times(moved: &Moved<'_>, who: CharacterId, (start, count): (f64, usize)) -> Vec<f64> {
-    let fps = moved.scene.fps;
+/// Scene times at which a character is looked at: output frames, and constrained moments between them; rising. `clock`: scene
+/// time of output frame 0, and how many the character has.
+pub fn sample_times(
+    scene: &Scene,
+    performance: &impl Performance,
+    who: CharacterId,
+    (start, count): (f64, usize),
+) -> Vec<f64> {
+    let fps = scene.fps;
     let frame_time = |frame: usize| start + frame as f64 / fps;
     let mut times: Vec<f64> = (0..count).map(frame_time).collect();
     let end = frame_time(count - 1);
@@ -109,7 +115,7 @@ fn sample_times(moved: &Moved<'_>, who: CharacterId, (start, count): (f64, usize
         let ticks = (time - start) * fps;
         (start..=end + 1.0 / fps).contains(time) && (ticks - ticks.round()).abs() > AT_FRAME * fps
     };
-    times.extend(constrained_times(moved.scene, moved, who).into_iter().filter(is_between));
+    times.extend(constrained_times(scene, performance, who).into_iter().filter(is_between));
     times.sort_by(f64::total_cmp);
     times
 }

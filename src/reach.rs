@@ -9,7 +9,7 @@ use glam::{DQuat, DVec3};
 
 use crate::constraint::When;
 use crate::effector::{EffectorTarget, EndEffector, Orientation};
-use crate::geometry::yaw;
+use crate::geometry::{log, yaw};
 use crate::index::{CharacterId, JointId};
 use crate::object_motion::{
     AtRest, ObjectMotion, Owner, Performance, moment_time, object_motions, skeleton_of,
@@ -135,22 +135,41 @@ pub fn effector_targets<P: Performance>(
     targets
 }
 
-/// Largest distance of each end effector's joint in `result` from what it reaches, metres: over an interval on all ticks of
-/// the scene's clock within and at both ends. Cost: linear in samples and joints.
-pub fn effector_residuals<P: Performance>(stage: &Stage<'_, P>, result: &impl Performance) -> Vec<f64> {
+/// By how much a joint misses what it must reach, the most over an interval.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Miss {
+    /// Of its place, metres.
+    pub metres: f64,
+    /// Of how it is turned, radians; `None` where that is not held.
+    pub radians: Option<f64>,
+}
+
+/// By how much the joint of each end effector in `result` misses what it reaches: over an interval at both ends, on all ticks
+/// of the scene's clock within, and at all moments within that constrain the same character. Cost: linear in samples and
+/// joints.
+pub fn effector_residuals<P: Performance>(stage: &Stage<'_, P>, result: &impl Performance) -> Vec<Miss> {
+    let rest_objects = object_motions(stage.scene, &AtRest(stage.scene));
+    let rest = Stage { scene: stage.scene, performance: &AtRest(stage.scene), objects: &rest_objects };
     let miss = |effector: &EndEffector| {
         let reach = Reach { effector, own: effector.when.character() };
-        let apart = |time: f64| {
-            let own = joint_at((stage.scene, result), reach.own, effector.joint, time).position;
-            own.distance(reach.partner(stage, result, time).0.position)
-        };
-        ticks(stage.scene.fps, ends(stage, &effector.when)).map(apart).fold(0.0, f64::max)
+        let mut miss = Miss::default();
+        for time in samples(stage, ends(stage, &effector.when), reach.own) {
+            let own = joint_at((stage.scene, result), reach.own, effector.joint, time);
+            let partner = reach.partner(stage, result, time).0;
+            miss.metres = miss.metres.max(own.position.distance(partner.position));
+            if let Some(rotation) = reach.rotation(stage, &rest, (partner.rotation, time)) {
+                let off = log(own.rotation.inverse() * rotation).length();
+                miss.radians = Some(miss.radians.unwrap_or(0.0).max(off));
+            }
+        }
+        miss
     };
     stage.scene.end_effectors.iter().map(miss).collect()
 }
 
-/// Largest distance of a hand in `result` from where it holds what it carries, for each carry, metres: on all ticks of the
-/// scene's clock within and at both ends. Cost: linear in samples and joints.
+/// Largest distance of a hand in `result` from where it holds what it carries, for each carry, metres: at both ends, on all
+/// ticks of the scene's clock within, and at all moments within that constrain the same carrier. Hands may turn on what
+/// they hold. Cost: linear in samples and joints.
 pub fn carry_residuals<P: Performance>(stage: &Stage<'_, P>, result: &impl Performance) -> Vec<f64> {
     let mut worst = vec![0.0_f64; stage.scene.carries.len()];
     for (motion, span) in
@@ -159,9 +178,9 @@ pub fn carry_residuals<P: Performance>(stage: &Stage<'_, P>, result: &impl Perfo
         let Owner::Carried(hold) = &span.owner else {
             continue;
         };
-        for time in ticks(stage.scene.fps, [span.from, span.to]) {
-            let pose = motion.pose_at(stage.scene, stage.performance, time);
-            for grip in &hold.grips {
+        for grip in &hold.grips {
+            for time in samples(stage, [span.from, span.to], grip.character) {
+                let pose = motion.pose_at(stage.scene, stage.performance, time);
                 let hand = joint_at((stage.scene, result), grip.character, grip.joint, time);
                 let own = &mut worst[hold.carry];
                 *own = own.max(hand.position.distance(pose.apply(grip.point)));
@@ -171,11 +190,14 @@ pub fn carry_residuals<P: Performance>(stage: &Stage<'_, P>, result: &impl Perfo
     worst
 }
 
-/// Both ends of an interval and the ticks of a clock between them.
-fn ticks(fps: f64, [from, to]: [f64; 2]) -> impl Iterator<Item = f64> {
+/// Both ends of an interval, the ticks of the scene's clock between them, and what else constrains a character there.
+fn samples<P: Performance>(stage: &Stage<'_, P>, [from, to]: [f64; 2], who: CharacterId) -> Vec<f64> {
+    let fps = stage.scene.fps;
     let first = (from * fps).ceil();
-    let between = (0..).map(move |k| (first + f64::from(k)) / fps).take_while(move |time| *time < to);
-    [from, to].into_iter().chain(between)
+    let ticks = (0..).map(|k| (first + f64::from(k)) / fps).take_while(|time| *time < to);
+    let moments = constrained_times(stage.scene, stage.performance, who).into_iter();
+    let between = moments.filter(|time| (from..to).contains(time));
+    [from, to].into_iter().chain(ticks).chain(between).collect()
 }
 
 /// Samples from one time to another, both included.
@@ -268,16 +290,26 @@ impl Reach<'_> {
         } else {
             partner.position
         };
-        let rotation = self.effector.orientation.map(|orientation| match orientation {
-            Orientation::Given(turn) => partner.rotation * turn,
+        (position, self.rotation(stage, rest, (partner.rotation, time)))
+    }
+
+    /// How the joint must be turned at an own time, where that is held and what it reaches has the axes `partner`.
+    fn rotation<P: Performance>(
+        &self,
+        stage: &Stage<'_, P>,
+        rest: &Stage<'_, AtRest<'_>>,
+        (partner, time): (DQuat, f64),
+    ) -> Option<DQuat> {
+        match self.effector.orientation? {
+            Orientation::Given(turn) => Some(partner * turn),
             Orientation::AsBefore => {
                 let before = rest.performance.time(self.own, stage.performance.frame(self.own, time));
                 let own =
                     joint_at((rest.scene, rest.performance), self.own, self.effector.joint, before).rotation;
-                partner.rotation * (self.partner(rest, rest.performance, before).0.rotation.inverse() * own)
+                let reached = self.partner(rest, rest.performance, before).0.rotation;
+                Some(partner * (reached.inverse() * own))
             }
-        });
-        (position, rotation)
+        }
     }
 
     /// The hand of `who` that comes to meet the joint, and from when to when.

@@ -9,8 +9,6 @@ use rayon::prelude::*;
 
 use crate::clip::Clip;
 use crate::clip::contacts::FootContacts;
-use crate::clip::working::WORKING_STEP;
-use crate::edit::moved::snap;
 use crate::edit::{Edit, EditedCharacter};
 use crate::index::floor_index;
 use crate::scene::Scene;
@@ -79,41 +77,6 @@ fn check_size(scene: &Scene, edit: &Edit, start_tick: f64) -> Result<(), TooLong
     }
     let (start_time, end_time) = (start_tick / scene.fps, last_tick / scene.fps);
     if rotations > MOST_ROTATIONS { Err(TooLong { frames, start_time, end_time }) } else { Ok(()) }
-}
-
-/// A track before the edit on the scene's clock, with the contacts of its feet.
-#[derive(Clone, Debug, PartialEq)]
-pub struct RestClip {
-    /// From the first frame of the track to its last.
-    pub clip: Clip,
-    /// One a frame.
-    pub contacts: Vec<FootContacts>,
-}
-
-/// Samples a track before the edit at `fps`.
-pub fn rest_clip(fps: f64, track: &Track) -> RestClip {
-    let last = track.frame_count() as f64 - 1.0 + track.overhang();
-    let count = floor_index(end_tick(fps, last * WORKING_STEP)) + 1;
-    let frames = (0..count).map(|k| snap((k as f64 / fps / WORKING_STEP).min(last)));
-    let poses: Vec<Pose> = frames.clone().map(|frame| track.pose(frame)).collect();
-    let known = track.collect(|clip, frame, _| clip.contacts[frame]);
-    let contacts = frames.map(|frame| nearest(&known, frame)).collect();
-    let skeleton = Arc::clone(&track.clips[0].clip.skeleton);
-    RestClip { clip: Clip::from_poses("", skeleton, fps, &poses), contacts }
-}
-
-/// Contacts of the feet in `count` output frames from `start_time` on: those of the nearer working frame shown.
-pub fn shown_contacts(
-    start_time: f64,
-    fps: f64,
-    track: &Track,
-    edited: &EditedCharacter,
-    count: usize,
-) -> Vec<FootContacts> {
-    let last = track.frame_count() as f64 - 1.0;
-    let known = track.collect(|clip, frame, _| clip.contacts[frame]);
-    let shown = |k: usize| frame_at(&edited.times, last, start_time + k as f64 / fps);
-    (0..count).map(|k| nearest(&known, shown(k))).collect()
 }
 
 /// Contacts of the feet at fractional frames of a track: those of the nearer working frame.

@@ -33,8 +33,9 @@ const MOMENTS: [&str; 7] = ["start", "end", "10", "12", "40", "41", "75"];
 const CLIPS: &str = "[clips]\nwalk = { builtin = \"walk\", stop = 1 }\nidle = \"builtin:idle\"\n\
                      run = { builtin = \"walk\", speed = 1.8, start = 1, seconds = 3.0 }\n\
                      still = { builtin = \"idle\", frames = [40, 42] }\n";
-const TRACKS: [&str; 6] = [
+const TRACKS: [&str; 7] = [
     "[\"walk\"]",
+    "[\"walk\", \"still\"]",
     "[\"walk\", \"idle\"]",
     "[\"idle\"]",
     "[\"run\", \"walk\"]",

@@ -6,12 +6,16 @@ use std::path::Path;
 use std::process::{Command, Output};
 use std::sync::Arc;
 
+use cotillion::clip::Clip;
 use cotillion::clip::builtin::generate;
 use cotillion::clip::read::{Capture, ReadOptions, Up, read};
 use cotillion::clip::working::WorkingClip;
-use cotillion::export::picture::{StripOptions, StripView, clip_svg, graph_svg, strip_svg, to_png};
+use cotillion::export::picture::{
+    Company, StripOptions, StripThing, StripView, clip_svg, graph_svg, strip_svg, to_png,
+};
 use cotillion::graph::facts::transition_facts;
 use cotillion::graph::{GraphSettings, motion_graph};
+use cotillion::object::ObjectPose;
 use serde_json::Value;
 
 fn cotillion(arguments: &[&str]) -> Output {
@@ -76,7 +80,7 @@ fn every_clip_has_pictures_however_odd_it_is() {
         assert_sound(&graph_svg(&working, &graph, 0));
         assert!(transition_facts(&graph, 0, &working).per_second.is_finite());
         for view in VIEWS {
-            assert_sound(&strip_svg(&clip, &StripOptions { poses: 5, view }));
+            assert_sound(&strip_svg(&clip, &Company::default(), &StripOptions { poses: 5, view }));
         }
     }
 }
@@ -87,8 +91,8 @@ fn equal_clips_have_equal_pictures() {
     assert_eq!(clip_svg(&walk()), clip_svg(&walk()));
     for view in VIEWS {
         let options = StripOptions { poses: 7, view };
-        let svg = strip_svg(&walk(), &options);
-        assert_eq!(svg, strip_svg(&walk(), &options));
+        let svg = strip_svg(&walk(), &Company::default(), &options);
+        assert_eq!(svg, strip_svg(&walk(), &Company::default(), &options));
         assert_eq!(svg.matches("<title>frame ").count(), 7);
     }
 }
@@ -96,7 +100,7 @@ fn equal_clips_have_equal_pictures() {
 #[test]
 fn a_strip_names_the_events_it_shows() {
     let slap = generate("slap", &BTreeMap::new()).expect("a generated clip");
-    let svg = strip_svg(&slap, &StripOptions::default());
+    let svg = strip_svg(&slap, &Company::default(), &StripOptions::default());
     assert!(svg.contains(">hit</text>"));
     assert!(svg.contains(&format!(">{}</text>", slap.events["hit"].0)));
     assert!(clip_svg(&slap).contains(">hit</text>"));
@@ -269,4 +273,28 @@ fn a_run_writes_bvh_files_as_asked() {
     let refused = home.path().join("refused");
     let output = cotillion(&["run", text(&scene), "-o", text(&refused), "--bvh-unit", "-1"]);
     assert_eq!((output.status.code(), refused.exists()), (Some(2), false));
+}
+
+#[test]
+fn boxes_and_partners_are_drawn_with_who_is_near_them() {
+    let clip = generate("walk", &BTreeMap::new()).expect("a generated clip");
+    let poses = |svg: &str| svg.matches("<title>frame").count();
+    let parts = |svg: &str| svg.matches("<linearGradient").count();
+    let with = |ahead: f64, partners: &[&Clip]| {
+        let at = clip.root_positions[0].with_y(0.0) + glam::DVec3::new(0.0, 0.0, ahead);
+        let thing = StripThing { size: [0.3; 3], poses: vec![ObjectPose { position: at, facing: 0.0 }] };
+        strip_svg(&clip, &Company { things: &[thing], partners }, &StripOptions::default())
+    };
+    let alone = strip_svg(&clip, &Company::default(), &StripOptions::default());
+    assert_eq!(with(1000.0, &[]), alone);
+    let near = with(0.5, &[]);
+    assert_sound(&near);
+    let more = parts(&near) - parts(&alone);
+    assert!(
+        more > 0 && more.is_multiple_of(6) && more < 6 * poses(&alone),
+        "six faces where it is near: {more}"
+    );
+    let accompanied = with(1000.0, &[&clip]);
+    assert_sound(&accompanied);
+    assert_eq!(parts(&accompanied), 2 * parts(&alone));
 }

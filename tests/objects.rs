@@ -30,6 +30,8 @@ const CONTINUOUS: f64 = 1e-9;
 const HARD: f64 = 1e-9;
 /// Rounding of a few rigid motions of some metres.
 const ROUNDING: f64 = 1e-12;
+/// Hands are turned exactly, degrees; near 0 the angle of a rotation has half the digits.
+const TURNED: f64 = 1e-5;
 
 /// Ann carries a box to bob, who carries it on; a cart drives by.
 const RELAY: &str = r#"
@@ -562,7 +564,7 @@ fn hands_that_meet_do_so_in_the_middle() {
     let [own, theirs] = hands.next().expect("one moment");
     assert!(ann.positions[0].distance(own.midpoint(theirs)) < ROUNDING);
     let missed = effector_residuals(&stage, &moved);
-    assert!((missed[0] - own.distance(theirs)).abs() < ROUNDING);
+    assert!((missed[0].metres - own.distance(theirs)).abs() < ROUNDING);
     assert_eq!(ann.rotations.len(), 1);
     assert!(bob.rotations.is_empty());
 }
@@ -622,11 +624,15 @@ fn reports_tell_who_has_what_and_what_is_not_reached() {
     let reach = &constraints[constraints.len() - 1];
     assert_eq!((&reach["kind"], &reach["unit"]), (&"end_effector".into(), &"m".into()));
     assert!(reach["residual"].as_f64() < Some(1e-3) && reach.get("shortfall").is_none(), "{reach}");
+    let turned = |reach: &Value| reach["orientation_residual"].as_f64().expect("how far it is turned off");
+    let slap_hand = &constraints[constraints.len() - 2];
+    assert!(turned(reach) < TURNED && turned(slap_hand) < TURNED, "{reach} {slap_hand}");
     let (off, _) = told(&format!("{SLAP}[full_body]\nenabled = false\n"));
     let constraints_off = off["constraints"].as_array().expect("constraints");
     let missed = &constraints_off[constraints_off.len() - 1];
     assert!(missed["shortfall"].as_f64() > Some(0.1), "nobody moves the hand: {missed}");
     assert_eq!(missed["shortfall"], missed["residual"]);
+    assert!(turned(missed) > 30.0, "hands hang down, this one must lie across: {missed}");
     assert!(reach.get("strength").is_none());
     let names: Vec<&Value> = slap["moments"].as_array().into_iter().flatten().map(|m| &m["name"]).collect();
     assert!(names.contains(&&Value::from("ann:start")), "moments of reaches are told: {names:?}");

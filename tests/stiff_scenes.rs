@@ -62,3 +62,15 @@ fn rows_that_cannot_be_factored_name_the_contradiction() {
          [[pin]]\nduring = [\"a:start\", \"a:end\"]\nfacing = 149.68068769491788\nstrength = \"hard\"\n",
     );
 }
+
+/// Idle frames that sway on, after a halt whose last frames are all at one point: the stretch that stays ends there.
+#[test]
+fn who_stands_in_one_point_and_then_sways_has_one_path() {
+    let track = "[clips]\nwalk = { builtin = \"walk\", stop = 1 }\nstill = { builtin = \"idle\", frames = [40, 42] }\n\
+                 [[character]]\nname = \"a\"\ntrack = [\"walk\", \"still\"]\n";
+    same_by_both(track);
+    let pins =
+        ["start", "60", "end"].map(|when| format!("[[pin]]\nat = \"a:{when}\"\nposition = [1.0, 2.0]\n"));
+    same_by_both(&format!("{track}{}", pins.concat()));
+    same_by_both(&format!("{track}{}[[pin]]\nat = \"a:end\"\nfacing = 70.0\nstrength = \"hard\"\n", pins[0]));
+}

@@ -7,7 +7,7 @@ use clap::{Args, ValueEnum};
 use cotillion::clip::working::WorkingClip;
 use cotillion::export::files::file_names;
 use cotillion::export::picture::{
-    PictureError, StripOptions, StripView, clip_svg, graph_svg, strip_svg, to_png,
+    Company, PictureError, StripOptions, StripView, clip_svg, graph_svg, strip_svg, to_png,
 };
 use cotillion::graph::MotionGraph;
 use rayon::prelude::*;
@@ -83,7 +83,8 @@ pub(super) fn draw(output: &Output, args: &DrawArgs, clips: &[Drawable]) -> Resu
     }
     if let Some(path) = &args.strip {
         let options = StripOptions { poses: usize::from(args.poses), view: args.view.into() };
-        write(output, path, (clips, "strip"), |own| strip_svg(&own.working.clip, &options))?;
+        let alone = Company::default();
+        write(output, path, (clips, "strip"), |own| strip_svg(&own.working.clip, &alone, &options))?;
     }
     if let Some(path) = &args.graph {
         write(output, path, (clips, "graph"), |own| {

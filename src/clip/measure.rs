@@ -10,7 +10,7 @@ use crate::clip::roles::is_helper;
 use crate::clip::working::{WORKING_STEP, WorkingClip};
 use crate::geometry::plan_of;
 use crate::index::{SourceFrame, floor_index};
-use crate::skeleton::{JointFrame, Pose};
+use crate::skeleton::{JointFrame, Pose, Skeleton};
 
 /// Time between the samples of a root's path: jitter does not add to its length, seconds.
 pub const PATH_STEP: f64 = 0.1;
@@ -19,26 +19,36 @@ pub const PATH_STEP: f64 = 0.1;
 ///
 /// `contacts`: one for each frame of `clip`. A step between two frames counts for a point that is in contact at both.
 pub fn foot_slide(clip: &Clip, contacts: &[FootContacts]) -> Option<f64> {
-    debug_assert_eq!(contacts.len(), clip.frame_count(), "one contact label a frame");
-    let points: Vec<_> = FootPoint::ALL
-        .into_iter()
-        .filter_map(|point| Some((point, foot_point(&clip.skeleton, point)?)))
-        .collect();
-    let (mut length, mut steps) = (0.0, 0_u32);
+    let frames = 0..clip.frame_count();
+    let times: Vec<f64> = frames.clone().map(|frame| frame as f64 / clip.fps).collect();
+    let poses: Vec<Pose> = frames.map(|frame| clip.pose(SourceFrame::from_usize(frame))).collect();
+    foot_slide_at(&clip.skeleton, (&times, &poses), contacts)
+}
+
+/// [`foot_slide`] of poses at any times, seconds, rising: one pose and one contact a time.
+pub fn foot_slide_at(
+    skeleton: &Skeleton,
+    (times, poses): (&[f64], &[Pose]),
+    contacts: &[FootContacts],
+) -> Option<f64> {
+    debug_assert_eq!([times.len(), poses.len()], [contacts.len(); 2], "one pose and one contact a time");
+    let points: Vec<_> =
+        FootPoint::ALL.into_iter().filter_map(|point| Some((point, foot_point(skeleton, point)?))).collect();
+    let (mut length, mut seconds) = (0.0, 0.0);
     let mut before: Option<Vec<DVec3>> = None;
-    for (frame, contact) in contacts.iter().enumerate() {
-        let frames = frames_at(clip, frame);
+    for (at, contact) in contacts.iter().enumerate() {
+        let frames = skeleton.forward_kinematics(&poses[at]);
         let places: Vec<DVec3> = points.iter().map(|(_, point)| point.place(&frames)).collect();
         for (index, (point, _)) in points.iter().enumerate() {
             let Some(before) = &before else { break };
-            if contact.at(*point) && contacts[frame - 1].at(*point) {
+            if contact.at(*point) && contacts[at - 1].at(*point) {
                 length += (plan_of(places[index]) - plan_of(before[index])).norm();
-                steps += 1;
+                seconds += times[at] - times[at - 1];
             }
         }
         before = Some(places);
     }
-    (steps > 0).then(|| length * clip.fps / f64::from(steps))
+    (seconds > 0.0).then(|| length / seconds)
 }
 
 /// [`foot_slide`] of a range on its working frames, m/s.
@@ -112,7 +122,7 @@ mod tests {
     use super::*;
     use crate::clip::roles::assign_roles;
     use crate::index::JointId;
-    use crate::skeleton::{Axis, Joint, Skeleton};
+    use crate::skeleton::{Axis, Joint};
 
     /// A leg whose foot slides along x at 0.3 m/s.
     fn sliding() -> Clip {

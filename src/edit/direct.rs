@@ -113,8 +113,8 @@ impl DirectPhase {
 }
 
 /// Interior rows of one path: in the shape phase `−(1−c_i)·p_{i−1} + p_i − c_i·p_{i+1}`, c from the rest path, stiffened where
-/// the path is slow; in the scale phase second differences. None strictly inside a stationary stretch (but scale rows
-/// where it keeps its shape only), and one for a repeated point.
+/// the path is slow; in the scale phase second differences. None that ties points of one stationary stretch only (but
+/// scale rows where it keeps its shape only), and one for a repeated point.
 fn push_interior_rows(
     freedom: Freedom,
     path: usize,
@@ -123,7 +123,11 @@ fn push_interior_rows(
 ) {
     let rest = &freedom.paths[path];
     for frame in 1..rest.len().saturating_sub(1) {
-        let run = rest.rigid.iter().position(|(a, b)| *a < frame && frame < *b);
+        let next = match freedom.phase {
+            Phase::Shape => shape_spring(rest, frame, settings).map_or(frame + 1, |spring| spring.next),
+            Phase::Scale => frame + 1,
+        };
+        let run = rest.rigid.iter().position(|(a, b)| *a < frame && next <= *b);
         let weight = match run {
             Some(run) if freedom.released.contains(&(path, run)) => RELEASED_WEIGHT,
             Some(_) if freedom.phase == Phase::Scale && freedom.runs == RunMode::Similar => 1.0,

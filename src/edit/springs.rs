@@ -55,15 +55,16 @@ fn shape_path(freedom: Freedom, path: usize, settings: &SpatialSettings) -> Spri
     let rest = &freedom.paths[path];
     let mut compliances = vec![0.0; rest.len()];
     for (frame, compliance) in compliances.iter_mut().enumerate().skip(1).take(rest.len().saturating_sub(2)) {
-        *compliance = shape_spring(rest, frame, settings).map_or(0.0, |spring| spring.stiffness.recip());
-    }
-    for (run, (first, last)) in rest.rigid.iter().enumerate().filter(|(_, (a, b))| a < b) {
-        let inside = &mut compliances[first + 1..*last];
-        if freedom.released.contains(&(path, run)) {
-            inside.iter_mut().for_each(|compliance| *compliance /= RELEASED_WEIGHT);
-        } else {
-            inside.fill(0.0);
-        }
+        let Some(spring) = shape_spring(rest, frame, settings) else { continue };
+        // A stretch that ends in a repeated point has its last spring where that point begins.
+        let run = rest.rigid.iter().position(|(a, b)| *a < frame && spring.next <= *b);
+        *compliance = match run {
+            Some(run) if freedom.released.contains(&(path, run)) => {
+                spring.stiffness.recip() / RELEASED_WEIGHT
+            }
+            Some(_) => 0.0,
+            None => spring.stiffness.recip(),
+        };
     }
     let mut points = rest.positions.clone();
     for frame in 1..points.len() {

@@ -5,16 +5,17 @@ use serde::Serialize;
 use crate::clip::Clip;
 use crate::constraint::Strength;
 use crate::edit::energy::{Energy, length};
-use crate::edit::{Edit, EditedCharacter, Moved};
-use crate::embody::Embodied;
+use crate::edit::{Edit, Moved};
+use crate::embody::{Embodied, sample_times};
 use crate::geometry::{c64, wrap};
-use crate::index::floor_index;
-use crate::metrics::foot_slide;
-use crate::object_motion::{ObjectMotion, Owner, object_motions};
-use crate::reach::{REACHED, Stage, carry_residuals, effector_residuals};
-use crate::resample::{Resampled, rest_clip, shown_contacts, time_of};
+use crate::index::{CharacterId, floor_index};
+use crate::metrics::foot_slide_at;
+use crate::object_motion::{AtRest, ObjectMotion, Owner, Performance, object_motions, skeleton_of};
+use crate::reach::{Miss, REACHED, Stage, carry_residuals, effector_residuals};
+use crate::resample::{Resampled, shown_contacts_at, time_of};
 use crate::residual::{MomentTime, Residual, largest, moment_times, residuals};
-use crate::scene::{Character, Performed, Scene};
+use crate::scene::{Performed, Scene};
+use crate::skeleton::Pose;
 
 use crate::clip::working::WORKING_STEP;
 
@@ -65,7 +66,8 @@ pub struct CharacterReport {
     pub path_length: RestEdited,
     /// Smallest and largest time step, as multiples of the rest step.
     pub time_step: MinMax,
-    /// Mean horizontal speed of feet in contact, m/s.
+    /// Mean horizontal speed of feet in contact, m/s: on output frames and constrained moments, while the character's own
+    /// motion is shown.
     pub foot_slide: RestEdited,
     /// Clips of other bodies, each once: scale, joints that nothing corresponds to, how far legs fall short.
     pub performed: Vec<Performed>,
@@ -159,6 +161,9 @@ pub struct ConstraintReport {
     /// Of a held facing, degrees.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub facing_residual: Option<f64>,
+    /// Of an end effector whose joint must be turned in some way, degrees.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub orientation_residual: Option<f64>,
     /// Of a carry or an end effector whose hands do not reach it, metres.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub shortfall: Option<f64>,
@@ -190,9 +195,7 @@ pub struct Timing {
 /// Reports on an edit; files and times are filled in where files are written and clocks are read.
 pub fn report(embodied: &Embodied<'_>, edit: &Edit, resampled: &Resampled) -> Report {
     let scene = embodied.moved.scene;
-    let characters = scene.characters.iter().zip(&edit.characters).zip(&resampled.clips);
     let constraints = scene.constraints.iter().zip(residuals(scene, edit));
-    let clock = (scene.fps, resampled.start_time);
     let moved = Moved { scene, characters: &edit.characters };
     let objects = object_motions(scene, &moved);
     let stage = Stage { scene, performance: &moved, objects: &objects };
@@ -204,14 +207,14 @@ pub fn report(embodied: &Embodied<'_>, edit: &Edit, resampled: &Resampled) -> Re
         cotillion: env!("CARGO_PKG_VERSION"),
         fps: scene.fps,
         start_time: resampled.start_time,
-        characters: characters
-            .map(|((character, edited), clip)| character_report(clock, character, edited, clip))
+        characters: (0..scene.characters.len())
+            .map(|who| character_report(embodied, resampled, CharacterId::from_usize(who)))
             .collect(),
         objects: objects.iter().map(|motion| object_report(&moved, motion, resampled)).collect(),
         constraints: constraints
             .map(|(constraint, residual)| constraint_report(constraint, &residual))
-            .chain(carries.map(|(name, residual)| hands_report(name, "carry", residual)))
-            .chain(effectors.map(|(name, residual)| hands_report(name, "end_effector", residual)))
+            .chain(carries.map(|(name, metres)| hands_report(name, "carry", Miss { metres, radians: None })))
+            .chain(effectors.map(|(name, miss)| hands_report(name, "end_effector", miss)))
             .collect(),
         moments: moment_times(scene, edit)
             .into_iter()
@@ -224,32 +227,44 @@ pub fn report(embodied: &Embodied<'_>, edit: &Edit, resampled: &Resampled) -> Re
     }
 }
 
-fn character_report(
-    (fps, start_time): (f64, f64),
-    character: &Character,
-    edited: &EditedCharacter,
-    clip: &Clip,
-) -> CharacterReport {
+fn character_report(embodied: &Embodied<'_>, resampled: &Resampled, who: CharacterId) -> CharacterReport {
+    let Moved { scene, characters } = embodied.moved;
+    let (character, edited) = (&scene.characters[who.as_usize()], &characters[who.as_usize()]);
+    let frames_out = resampled.clips[who.as_usize()].frame_count();
     let track = &character.track;
     let last = track.frame_count() as f64 - 1.0 + track.overhang();
     let steps = edited.times.windows(2).map(|pair| (pair[1] - pair[0]) / WORKING_STEP);
     let (min, max) =
         steps.fold((f64::INFINITY, f64::NEG_INFINITY), |(min, max), step| (min.min(step), max.max(step)));
     let still = edited.times.len() < 2;
-    let rest = rest_clip(fps, track);
-    let rest_slide = foot_slide(&rest.clip, &rest.contacts).unwrap_or(0.0);
-    let edited_slide = foot_slide(clip, &shown_contacts(start_time, fps, track, edited, clip.frame_count()));
+    let frames_in = floor_index(last * WORKING_STEP * scene.fps + 1e-6) + 1;
+    let edited_slide = slide(scene, embodied, who, (resampled.start_time, frames_out));
+    let rest_slide = slide(scene, &AtRest(scene), who, (0.0, frames_in));
     CharacterReport {
         name: character.name.clone(),
-        frames_in: floor_index(last * WORKING_STEP * fps + 1e-6) + 1,
-        frames_out: clip.frame_count(),
+        frames_in,
+        frames_out,
         seconds: time_of(&edited.times, last) - edited.times[0],
         path_length: RestEdited { rest: length(&edited.rest.positions), edited: length(&edited.positions) },
         time_step: if still { MinMax { min: 1.0, max: 1.0 } } else { MinMax { min, max } },
-        foot_slide: RestEdited { rest: rest_slide, edited: edited_slide.unwrap_or(0.0) },
+        foot_slide: RestEdited { rest: rest_slide, edited: edited_slide },
         performed: character.performed.clone(),
         discrete: Vec::new(),
     }
+}
+
+/// Mean slide of a character's feet on its samples, as long as it does not hold its first or last pose. `clock`: scene time of
+/// output frame 0, and how many there are.
+fn slide(scene: &Scene, performance: &impl Performance, who: CharacterId, clock: (f64, usize)) -> f64 {
+    let track = &scene.characters[who.as_usize()].track;
+    let last = track.frame_count() as f64 - 1.0 + track.overhang();
+    let [start, end] = [0.0, last].map(|frame| performance.time(who, frame));
+    let mut times = sample_times(scene, performance, who, clock);
+    times.retain(|time| (start..=end).contains(time));
+    let frames: Vec<f64> = times.iter().map(|time| performance.frame(who, *time)).collect();
+    let poses: Vec<Pose> = frames.iter().map(|frame| performance.pose(who, *frame)).collect();
+    let contacts = shown_contacts_at(track, &frames);
+    foot_slide_at(skeleton_of(scene, who), (&times, &poses), &contacts).unwrap_or(0.0)
 }
 
 fn constraint_report(constraint: &crate::constraint::Constraint, residual: &Residual) -> ConstraintReport {
@@ -265,21 +280,23 @@ fn constraint_report(constraint: &crate::constraint::Constraint, residual: &Resi
         unit,
         path_residual: residual.path_position,
         facing_residual: residual.facing.map(f64::to_degrees),
+        orientation_residual: None,
         shortfall: None,
     }
 }
 
-/// What hands must reach, and by how much they miss it, metres.
-fn hands_report(name: &str, kind: &'static str, residual: f64) -> ConstraintReport {
+/// What hands must reach, and by how much they miss it.
+fn hands_report(name: &str, kind: &'static str, miss: Miss) -> ConstraintReport {
     ConstraintReport {
         name: name.to_owned(),
         kind,
         strength: serde_json::Value::Null,
-        residual,
+        residual: miss.metres,
         unit: "m",
         path_residual: None,
         facing_residual: None,
-        shortfall: (residual > REACHED).then_some(residual),
+        orientation_residual: miss.radians.map(f64::to_degrees),
+        shortfall: (miss.metres > REACHED).then_some(miss.metres),
     }
 }
 

@@ -8,11 +8,12 @@ use crate::export::bvh::{BvhOptions, to_bvh_with};
 use crate::export::files::{OutputFile, file_names};
 use crate::export::gltf::{GlbObject, GlbScene, Performer, to_glb};
 use crate::export::picture::{
-    Actor, Handle, Picture, PictureObject, StripOptions, StripView, Tie, strip_svg, to_svg,
+    Actor, Company, Handle, Picture, PictureObject, StripOptions, StripThing, StripView, Tie, strip_svg,
+    to_svg,
 };
 use crate::geometry::c64;
 use crate::index::{SourceFrame, floor_index};
-use crate::object::ObjectPose;
+use crate::object::{Object, ObjectPose};
 use crate::object_motion::{ObjectMotion, Owner, Performance, object_motions};
 use crate::path;
 use crate::resample::{Resampled, time_of};
@@ -38,7 +39,8 @@ pub fn scene_files(scene: &Scene, edit: &Edit, resampled: &Resampled, bvh: &BvhO
     files
 }
 
-/// Poses of every character side by side, seen from the side and from above, the moments that the scene names among them.
+/// Poses of every character side by side, seen from the side and from above, the moments that the scene names among them;
+/// with each pose the objects and partners near it.
 pub fn strip_files(scene: &Scene, edit: &Edit, resampled: &Resampled) -> Vec<OutputFile> {
     let names: Vec<&str> = scene.characters.iter().map(|character| character.name.as_str()).collect();
     let mut clips = resampled.clips.clone();
@@ -50,11 +52,24 @@ pub fn strip_files(scene: &Scene, edit: &Edit, resampled: &Resampled) -> Vec<Out
         let name = moment.name.rsplit(['/', ':']).next().unwrap_or(&moment.name);
         clips[who].events.insert(name.to_owned(), SourceFrame::from_usize(shown));
     }
+    let moved = Moved { scene, characters: &edit.characters };
+    let frames = clips.iter().map(Clip::frame_count).max().unwrap_or(1);
+    let clock = || (0..frames).map(|k| resampled.start_time + k as f64 / scene.fps);
+    let thing = |(object, motion): (&Object, &ObjectMotion)| StripThing {
+        size: object.size,
+        poses: poses(&moved, motion, clock()),
+    };
+    let motions = object_motions(scene, &moved);
+    let things: Vec<StripThing> = scene.objects.iter().zip(&motions).map(thing).collect();
     let views = [("side", StripView::Side), ("above", StripView::Above)];
     let strips = views.into_iter().flat_map(|(word, view)| {
         let options = StripOptions { view, ..StripOptions::default() };
-        let svg = move |clip: &Clip| strip_svg(clip, &options);
-        file_names(&names).into_iter().zip(clips.iter().map(svg).collect::<Vec<_>>()).map(
+        let svg = |(who, clip): (usize, &Clip)| {
+            let others = resampled.clips.iter().enumerate().filter(|(other, _)| *other != who);
+            let partners: Vec<&Clip> = others.map(|(_, clip)| clip).collect();
+            strip_svg(clip, &Company { things: &things, partners: &partners }, &options)
+        };
+        file_names(&names).into_iter().zip(clips.iter().enumerate().map(svg).collect::<Vec<_>>()).map(
             move |(name, svg)| OutputFile { name: format!("{name}.{word}.svg"), bytes: svg.into_bytes() },
         )
     });

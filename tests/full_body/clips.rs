@@ -8,6 +8,7 @@ use cotillion::clip::file::read_file;
 use cotillion::clip::read::ReadOptions;
 use cotillion::clip::working::{WORKING_STEP, WorkingClip};
 use cotillion::geometry::plan_of;
+use cotillion::index::floor_index;
 use cotillion::skeleton::{Pose, Skeleton};
 use libtest_mimic::Failed;
 
@@ -60,6 +61,16 @@ pub(crate) const CLIPS: [&str; 45] = [
     "bvh/snu_walk_turn_180.bvh",
 ];
 
+/// Those of [`CLIPS`] that go in laps or spirals: far to the side of a short chord.
+pub(crate) const WINDING: [&str; 6] = [
+    "amc/cmu_09_12_navigate_forward_backward_sideways.amc",
+    "bvh/snu_spiral_left_fast.bvh",
+    "bvh/snu_spiral_walk_normal.bvh",
+    "bvh/snu_walk_stop_walk.bvh",
+    "bvh/snu_walk_to_slope_and_back.bvh",
+    "bvh/snu_walk_turn_180.bvh",
+];
+
 /// Skeletons of 13 joints without toes or ends of feet, rigs of 43 joints, steps and stools.
 pub(crate) const OTHERS: [&str; 9] = [
     "deepmimic/humanoid3d_jog.txt",
@@ -78,10 +89,12 @@ const WRONG_RATE: &str = "snu_";
 /// What they were captured at.
 const RIGHT_RATE: f64 = 30.0;
 
-/// A clip, on working frames.
+/// A clip, on working frames or on its own.
 pub(crate) struct Walk {
     pub(crate) working: WorkingClip,
+    pub(crate) times: Vec<f64>,
     pub(crate) poses: Vec<Pose>,
+    pub(crate) contacts: Vec<FootContacts>,
 }
 
 impl Walk {
@@ -92,9 +105,24 @@ impl Walk {
     pub(crate) fn stretch(&self, (first, last): (usize, usize)) -> Stretch<'_> {
         Stretch {
             walk: self,
-            times: (first..=last).map(|frame| frame as f64 * WORKING_STEP).collect(),
+            times: self.times[first..=last].to_vec(),
             rest: &self.poses[first..=last],
-            contacts: &self.working.contacts[first..=last],
+            contacts: &self.contacts[first..=last],
+        }
+    }
+
+    /// The same at `fps`; each pose has the contacts of the nearest working frame.
+    pub(crate) fn at_rate(&self, fps: f64) -> Self {
+        let working = self.working.clone();
+        let last = (working.frame_count() - 1) as f64;
+        let frames: Vec<f64> =
+            (0..).map(|k| f64::from(k) / fps / WORKING_STEP).take_while(|frame| *frame <= last).collect();
+        let nearest = |frame: &f64| working.contacts[floor_index(frame.round())];
+        Self {
+            times: frames.iter().map(|frame| frame * WORKING_STEP).collect(),
+            poses: frames.iter().map(|frame| working.pose(*frame)).collect(),
+            contacts: frames.iter().map(nearest).collect(),
+            working,
         }
     }
 }
@@ -115,35 +143,33 @@ pub(crate) fn load(folder: &Path, file: &str) -> Result<Walk, Failed> {
     let clip = if is_wrong { read_file(&path, None, &options)?.clip } else { read.clip };
     let (first, last) = clip.usable;
     let working = WorkingClip::new(file, Arc::new(clip), first, last);
-    let poses = (0..working.frame_count()).map(|frame| working.pose(frame as f64)).collect();
-    Ok(Walk { working, poses })
+    let frames = 0..working.frame_count();
+    let times = frames.clone().map(|frame| frame as f64 * WORKING_STEP).collect();
+    let poses = frames.map(|frame| working.pose(frame as f64)).collect();
+    let contacts = working.contacts.clone();
+    Ok(Walk { working, times, poses, contacts })
 }
 
-/// A path longer than this times its chord has no direction as a whole: laid onto an arc as narrow as its chord asks for, the
-/// centre lies among the steps, and a planted foot would have to be in places up to 1.3 m apart (laps that end near where
-/// they began: `cmu_09_12`, `snu_spiral_*`, `snu_walk_turn_180`).
-const WINDING: f64 = 1.5;
+/// A stretch longer than this times its chord has no direction.
+const TURNED: f64 = 1.5;
 
-/// Stretches into which such a path is cut are at most so much longer than their chords.
+/// Stretches into which a path is cut are at most so much longer than their chords.
 const STRAIGHT: f64 = 1.2;
 
 /// Shorter stretches are no walk, metres.
 const SHORTEST: f64 = 1.0;
 
-/// The whole clip, or where it winds the stretches of it that have a direction: first and last frames.
+/// The stretches of a path that have a direction: first and last frames.
 pub(crate) fn stretches(poses: &[Pose]) -> Vec<(usize, usize)> {
     let lengths = lengths(poses);
     let chord = |first: usize, last: usize| (plan_of(poses[last].root) - plan_of(poses[first].root)).norm();
     let last = poses.len() - 1;
-    if lengths[last] <= WINDING * chord(0, last) {
-        return vec![(0, last)];
-    }
     let mut found = Vec::new();
     let mut first = 0;
     while first < last {
         let far = |end: &usize| lengths[*end] - lengths[first] > SHORTEST;
         let straight = |end: &usize| lengths[*end] - lengths[first] <= STRAIGHT * chord(first, *end);
-        let turned = |end: &usize| far(end) && lengths[*end] - lengths[first] > WINDING * chord(first, *end);
+        let turned = |end: &usize| far(end) && lengths[*end] - lengths[first] > TURNED * chord(first, *end);
         let until = (first..=last).find(turned).unwrap_or(last);
         let end = (first..=until).rev().find(|end| far(end) && straight(end));
         found.extend(end.map(|end| (first, end)));

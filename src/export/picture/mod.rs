@@ -26,7 +26,7 @@ pub use chart::{Chart, Series, chart_svg};
 pub use clip::clip_svg;
 pub use matrix::graph_svg;
 pub use png::{PictureError, to_png};
-pub use strip::{StripOptions, StripView, strip_svg};
+pub use strip::{Company, StripOptions, StripThing, StripView, strip_svg};
 
 use legend::draw_legend;
 use plan::draw_plan;

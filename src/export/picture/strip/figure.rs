@@ -19,11 +19,13 @@ use crate::skeleton::{JointFrame, JointRole, Skeleton};
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Cloth {
     Shirt,
+    PartnerShirt,
     Trousers,
     Skin,
     Hair,
     Shoe,
     Bone,
+    Thing,
 }
 
 /// A ball of flesh, metres.
@@ -60,6 +62,7 @@ pub(super) enum Kind {
     Trunk,
     Head,
     Limb,
+    Thing,
 }
 
 /// What is fitted to a whole clip, to draw any of its poses.

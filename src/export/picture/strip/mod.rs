@@ -1,4 +1,4 @@
-//! A clip as a row of poses, drawn as simple clothed bodies: who sees it recognises the motion.
+//! A clip as a row of poses, drawn as simple clothed bodies with the boxes that they carry: who sees it recognises the motion.
 //!
 //! Poses that travel stand at their real distance where they do not cover each other, else they are spaced evenly. Frames
 //! that events name are among them.
@@ -10,8 +10,10 @@ pub(super) mod hull;
 mod landmarks;
 mod layout;
 mod paint;
+mod things;
 
 pub use camera::StripView;
+pub use things::{Company, StripThing};
 
 use self::camera::Camera;
 use self::figure::{Figure, Group};
@@ -61,16 +63,25 @@ const BETWEEN_ROWS: f64 = 16.0;
 /// Events below them, px.
 const EVENTS: f64 = 18.0;
 
-/// SVG of poses of `clip`, at most 1600 px wide, higher where they take several rows. Equal clips give equal text.
+/// SVG of poses of `clip`, at most 1600 px wide, higher where they take several rows; with each pose the `company` near it.
+/// Equal clips give equal text.
 ///
 /// # Panics
 /// If the clip has no frames.
-pub fn strip_svg(clip: &Clip, options: &StripOptions) -> String {
+pub fn strip_svg(clip: &Clip, company: &Company, options: &StripOptions) -> String {
     let figure = Figure::new(clip);
     let camera = Camera::new(options.view, heading(clip));
-    let posed: Vec<Posed> = chosen_frames(clip, options.poses)
+    let frames = chosen_frames(clip, options.poses);
+    let partners = things::partners(clip, company, &frames);
+    let posed: Vec<Posed> = frames
         .into_iter()
-        .map(|frame| posed(clip, &figure, &camera, frame))
+        .map(|frame| {
+            let mut own = posed(clip, &figure, frame);
+            own.groups.extend(things::groups(company.things, frame.as_usize(), own.origin));
+            own.groups.extend(things::partner_groups(&partners, frame, own.origin));
+            own.span = span(&own, &camera);
+            own
+        })
         .collect();
     let spans: Vec<Span> = posed.iter().map(|pose| pose.span).collect();
     let travel: Vec<f64> = posed.iter().map(|pose| camera.place(pose.origin - posed[0].origin)[0]).collect();
@@ -100,14 +111,15 @@ fn heading(clip: &Clip) -> f64 {
     if way.norm() > LEAST_WAY && (way.arg() - facing).cos() > AHEAD { way.arg() } else { facing }
 }
 
-fn posed(clip: &Clip, figure: &Figure, camera: &Camera, frame: SourceFrame) -> Posed {
+fn posed(clip: &Clip, figure: &Figure, frame: SourceFrame) -> Posed {
     let frames = clip.skeleton.forward_kinematics(&clip.pose(frame));
     let origin = frames[0].position.with_y(figure.ground);
-    let groups = figure.groups(&frames);
-    let balls = groups.iter().flat_map(|group| &group.parts).flat_map(|part| &part.balls);
-    let span =
-        balls.fold(Span::default(), |span, ball| span.with(camera.place(ball.centre - origin), ball.radius));
-    Posed { frame, origin, groups, span }
+    Posed { frame, origin, groups: figure.groups(&frames), span: Span::default() }
+}
+
+fn span(pose: &Posed, camera: &Camera) -> Span {
+    let balls = pose.groups.iter().flat_map(|group| &group.parts).flat_map(|part| &part.balls);
+    balls.fold(Span::default(), |span, ball| span.with(camera.place(ball.centre - pose.origin), ball.radius))
 }
 
 fn write_head(sheet: &mut Sheet, clip: &Clip, (options, layout): (&StripOptions, &Layout), width: f64) {

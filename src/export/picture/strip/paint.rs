@@ -72,11 +72,20 @@ impl Painter<'_> {
         for (nearness, group) in order {
             let behind = ((middle - nearness) / DARKEST).clamp(0.0, 1.0);
             let shade = if group.kind == Kind::Limb { 1.0 - (1.0 - FAR_SHADE) * behind } else { 1.0 };
-            self.group(&sorted(&self.camera, group), stand, shade);
+            self.group(group.kind, &sorted(&self.camera, group), stand, shade);
         }
     }
 
-    fn group(&mut self, parts: &[&Part], stand: &Stand, shade: f64) {
+    /// One outline around limbs; every face of a thing has its own.
+    fn group(&mut self, kind: Kind, parts: &[&Part], stand: &Stand, shade: f64) {
+        if kind == Kind::Thing {
+            parts.iter().for_each(|part| self.parts(&[part], stand, shade));
+        } else {
+            self.parts(parts, stand, shade);
+        }
+    }
+
+    fn parts(&mut self, parts: &[&Part], stand: &Stand, shade: f64) {
         let outlines: Vec<Vec<Point>> = parts.iter().map(|part| self.outline(part, stand)).collect();
         for (part, outline) in parts.iter().zip(&outlines).filter(|(part, _)| part.rim) {
             let dark = scaled(colour(part.cloth), 0.5 * shade);
@@ -154,7 +163,8 @@ fn nearness<'a>(camera: &Camera, parts: impl IntoIterator<Item = &'a Part>) -> f
 /// Parts from far to near; parts of the trunk, and parts about as far, as they are listed.
 fn sorted<'a>(camera: &Camera, group: &'a Group) -> Vec<&'a Part> {
     let middle = nearness(camera, &group.parts);
-    let step = |part: &Part| ((nearness(camera, [part]) - middle) / SAME_DEPTH).round();
+    let same = if group.kind == Kind::Thing { f64::MIN_POSITIVE } else { SAME_DEPTH };
+    let step = |part: &Part| ((nearness(camera, [part]) - middle) / same).round();
     let mut parts: Vec<&Part> = group.parts.iter().collect();
     if group.kind != Kind::Trunk {
         parts.sort_by(|a, b| step(a).total_cmp(&step(b)));
@@ -165,11 +175,13 @@ fn sorted<'a>(camera: &Camera, group: &'a Group) -> Vec<&'a Part> {
 const fn colour(cloth: Cloth) -> [f64; 3] {
     match cloth {
         Cloth::Shirt => [76.0, 138.0, 200.0],
+        Cloth::PartnerShirt => [150.0, 160.0, 148.0],
         Cloth::Trousers => [84.0, 94.0, 122.0],
         Cloth::Skin => [236.0, 188.0, 152.0],
         Cloth::Hair => [96.0, 70.0, 54.0],
         Cloth::Shoe => [66.0, 62.0, 68.0],
         Cloth::Bone => [150.0, 162.0, 178.0],
+        Cloth::Thing => [206.0, 164.0, 104.0],
     }
 }
 

@@ -1,0 +1,71 @@
+//! What a report tells of feet.
+
+use std::path::Path;
+
+use cotillion::edit::Editor;
+use cotillion::embody::embody;
+use cotillion::export::report::{RestEdited, report};
+use cotillion::resample::resample;
+use cotillion::scene::{ClipFolders, load_text};
+
+/// Rounding of a mean speed, m/s.
+const ROUNDING: f64 = 1e-9;
+
+/// Ann walks, 2.04 m before the edit, 1.3 times as far after it.
+const STRETCHED: &str = "
+fps = 50
+[clips]
+walk = { builtin = \"walk\", start = 1, stop = 1, seconds = 4 }
+[[character]]
+name = \"ann\"
+track = [\"walk\"]
+facing = 0.0
+[[pin]]
+at = \"ann:start\"
+position = [0.0, 0.0]
+strength = \"hard\"
+[[pin]]
+at = \"ann:end\"
+position = [2.65, 0.0]
+strength = \"hard\"
+";
+const OFF: &str = "[full_body]\nenabled = false\n";
+
+fn slide(text: &str) -> RestEdited {
+    let loaded = load_text(text, Path::new("report.toml"), &ClipFolders::default()).expect("a sound scene");
+    let mut editor = Editor::new(loaded.scene).expect("a regular scene");
+    let edit = editor.solve().expect("the constraints agree").clone();
+    let mut resampled = resample(editor.scene(), &edit).expect("a result of usual length");
+    let embodied = embody(editor.scene(), &edit, &mut resampled);
+    report(&embodied, &edit, &resampled).characters[0].foot_slide
+}
+
+#[test]
+fn feet_slide_in_an_unedited_scene_as_before_it() {
+    let unedited = STRETCHED.split("[[pin]]").next().expect("a scene without its pins");
+    for text in [unedited.to_owned(), format!("{unedited}{OFF}")] {
+        let found = slide(&text);
+        assert!((found.edited - found.rest).abs() < ROUNDING, "{found:?}");
+    }
+}
+
+#[test]
+fn feet_of_a_stretched_walk_slide_only_where_the_full_body_is_off() {
+    let (on, off) = (slide(STRETCHED), slide(&format!("{STRETCHED}{OFF}")));
+    assert!(on.edited <= on.rest + ROUNDING, "{on:?}");
+    assert!(off.edited > on.rest + 0.05, "{off:?}");
+}
+
+/// Somebody who has not begun yet stands still in the first pose: that is no slide of 0.
+#[test]
+fn feet_are_measured_while_somebody_moves_whenever_they_begin() {
+    let late = "[[time]]\nat = \"ann:start\"\nseconds = 3.0\nstrength = \"hard\"\n";
+    let moment =
+        "[[end_effector]]\nat = \"ann:61\"\njoint = \"head\"\ntarget = { position = [0.0, 1.6, 0.0] }\n";
+    let off = slide(&format!("{STRETCHED}{OFF}"));
+    let found = slide(&format!("{STRETCHED}{late}{OFF}"));
+    assert!((found.edited - off.edited).abs() < ROUNDING, "{found:?} or {off:?}");
+    // A moment between two frames is a sample too, and the way of a foot bends there.
+    let found = slide(&format!("{STRETCHED}{moment}{OFF}"));
+    assert!(found.edited > off.edited && found.edited < off.edited + 0.01, "{found:?} or {off:?}");
+}
