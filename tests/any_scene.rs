@@ -6,6 +6,7 @@ use std::fmt::Write;
 use std::path::Path;
 
 use cotillion::constraint::{Constraint, ConstraintKind, Partner};
+use cotillion::discrete::outcome::Outcome;
 use cotillion::edit::{EditError, Editor};
 use cotillion::embody::embody;
 use cotillion::export::bvh::BvhOptions;
@@ -233,7 +234,9 @@ fn perform(text: &str) -> Result<bool, TestCaseError> {
     prop_assert!(edit.energy.total.is_finite());
     let places = edit.characters.iter().flat_map(|character| &character.positions);
     let farthest = places.map(|p| p.norm()).fold(0.0, f64::max);
-    for constraint in report(&embodied, &edit, &resampled).constraints {
+    for constraint in
+        report(&embodied, &Outcome::plain((scene.clone(), edit.clone())), &resampled).constraints
+    {
         prop_assert!(constraint.residual.is_finite());
         // In paper mode bodies turn with their tangents, which offsets between them do not follow exactly.
         if constraint.strength == "hard" && !text.contains("mode = \"paper\"") {

@@ -6,6 +6,7 @@ mod agree;
 use std::path::Path;
 
 use cotillion::constraint::{ConstraintKind, Strength, When};
+use cotillion::discrete::outcome::Outcome;
 use cotillion::edit::{Edit, EditError, Editor, Moved, Target};
 use cotillion::embody::embody;
 use cotillion::export::bvh::BvhOptions;
@@ -595,7 +596,15 @@ fn reports_tell_who_has_what_and_what_is_not_reached() {
         let files = scene_files(&scene, &edit, &resampled, &BvhOptions::default());
         let svg = files.iter().find(|file| file.name == "scene.svg").expect("a picture");
         let svg = String::from_utf8(svg.bytes.clone()).expect("text");
-        (serde_json::to_value(report(&embodied, &edit, &resampled)).expect("JSON"), svg)
+        (
+            serde_json::to_value(report(
+                &embodied,
+                &Outcome::plain((scene.clone(), edit.clone())),
+                &resampled,
+            ))
+            .expect("JSON"),
+            svg,
+        )
     };
     let (relay, svg) = told(RELAY);
     for meaning in ["way of an object", "grasped", "released"] {

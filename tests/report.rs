@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use cotillion::discrete::outcome::Outcome;
 use cotillion::edit::Editor;
 use cotillion::embody::embody;
 use cotillion::export::report::{RestEdited, report};
@@ -37,7 +38,7 @@ fn slide(text: &str) -> RestEdited {
     let edit = editor.solve().expect("the constraints agree").clone();
     let mut resampled = resample(editor.scene(), &edit).expect("a result of usual length");
     let embodied = embody(editor.scene(), &edit, &mut resampled);
-    report(&embodied, &edit, &resampled).characters[0].foot_slide
+    report(&embodied, &Outcome::plain((editor.scene().clone(), edit.clone())), &resampled).characters[0].foot_slide
 }
 
 #[test]

@@ -81,6 +81,8 @@ struct RunArgs {
     #[command(flatten)]
     bvh: BvhArgs,
     #[command(flatten)]
+    cache: CacheArgs,
+    #[command(flatten)]
     manner: Manner,
 }
 

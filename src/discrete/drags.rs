@@ -8,21 +8,10 @@ use crate::discrete::editor::{DiscreteEditor, Occasion};
 use crate::discrete::settings::DiscreteSettings;
 use crate::edit::EditError;
 use crate::geometry::wrap;
-use crate::graph::{GraphSettings, MotionGraph, motion_graph};
+use crate::graph::MotionGraph;
 use crate::scene::Scene;
 
-/// Every clip of the scene's tracks, each once, in the order of characters and tracks.
-pub fn clips_of(scene: &Scene) -> Vec<Arc<WorkingClip>> {
-    let mut clips: Vec<Arc<WorkingClip>> = Vec::new();
-    for clip in scene.characters.iter().flat_map(|character| &character.track.clips) {
-        if !clips.iter().any(|known| Arc::ptr_eq(known, clip) || known == clip) {
-            clips.push(Arc::clone(clip));
-        }
-    }
-    clips
-}
-
-/// Takes the scene through its first solve and all drags, and lets it settle. `graph`: of [`clips_of`] the scene; without
+/// Takes the scene through its first solve and all drags, and lets it settle. `graph`: of `clips`, those of the scene ([`crate::graph::scene`]); without
 /// discrete editing it is not looked at. `told`: after each update, how many there were and of how many, settling left out.
 ///
 /// # Errors
@@ -62,14 +51,6 @@ pub fn perform(
         editor.settle()?;
     }
     Ok(editor)
-}
-
-/// The motion graph that a scene needs: of its clips, or an empty one where no track may change.
-pub fn graph_of(scene: &Scene, clips: &[Arc<WorkingClip>]) -> MotionGraph {
-    match scene.discrete {
-        Some(_) => motion_graph(clips, &GraphSettings::default()),
-        None => motion_graph(&[], &GraphSettings::default()),
-    }
 }
 
 /// Where the number that `to` moves is now.

@@ -4,13 +4,14 @@
 
 use std::sync::Arc;
 
-use crate::clip::working::WorkingClip;
+use crate::clip::working::{WORKING_STEP, WorkingClip};
 use crate::constraint::ChangeKind;
 use crate::discrete::candidates::{Candidate, Seen, candidates};
 use crate::discrete::choose::{Offer, Weighed, choose};
+use crate::discrete::outcome::{Outcome, TrackChanges};
 use crate::discrete::remap::{Protected, bound, protected, spliced};
 use crate::discrete::settings::DiscreteSettings;
-use crate::edit::energy::Energy;
+use crate::edit::energy::{Energy, length};
 use crate::edit::expand::capture;
 use crate::edit::{Edit, EditError, Editor, Target};
 use crate::geometry::{c64, wrap};
@@ -56,6 +57,7 @@ pub struct LogEntry {
 
 /// A scene that is edited with discrete changes.
 pub struct DiscreteEditor {
+    original: Scene,
     editor: Editor,
     graph: Arc<MotionGraph>,
     /// Graph clip of each clip that a character's track may show.
@@ -76,6 +78,7 @@ impl DiscreteEditor {
         (graph, clips): (Arc<MotionGraph>, &[Arc<WorkingClip>]),
         settings: DiscreteSettings,
     ) -> Result<Self, EditError> {
+        let original = scene.clone();
         let mut scene = bound(scene);
         let rests: Vec<_> = scene.characters.iter().map(|character| character.track.rest_path()).collect();
         scene.captured = capture(&scene, &rests);
@@ -89,7 +92,7 @@ impl DiscreteEditor {
             seen.push(character.track.clips.iter().filter_map(place).collect());
         }
         let editor = Editor::new(scene)?;
-        Ok(Self { editor, graph, clips: seen, rest_angles, settings, log: Vec::new() })
+        Ok(Self { original, editor, graph, clips: seen, rest_angles, settings, log: Vec::new() })
     }
 
     /// The scene as it is now: tracks and targets.
@@ -157,6 +160,32 @@ impl DiscreteEditor {
             changes += 1;
         }
         Ok(changes)
+    }
+
+    /// What came of the scene.
+    pub fn into_outcome(self) -> Outcome {
+        let tracks = (0..self.scene().characters.len()).map(|who| self.changes(who)).collect();
+        let energy = self.energy();
+        let Self { original, editor, log, settings, .. } = self;
+        let (scene, mut edit) = editor.into_parts();
+        edit.energy = energy;
+        let tracks = if settings.kinds.is_empty() { Vec::new() } else { tracks };
+        Outcome { original, scene, edit, log, tracks }.noted()
+    }
+
+    fn changes(&self, who: usize) -> TrackChanges {
+        let id = CharacterId::from_usize(who);
+        let (track, edited) = (&self.scene().characters[who].track, &self.edit().characters[who]);
+        let last = edited.times.len() - 1;
+        let (rest, seconds) = (length(&edited.rest.positions), last as f64 * WORKING_STEP);
+        let ratio = |edited: f64, rest: f64| if rest > 0.0 { edited / rest } else { 1.0 };
+        TrackChanges {
+            length: ratio(length(&edited.positions), rest),
+            time: ratio(edited.times[last] - edited.times[0], seconds),
+            turns: turns(track, &self.rest_angles[who]),
+            copies: copies(track, &self.clips[who]),
+            open: !self.candidates_of(id, track, &protected(self.scene(), id)).is_empty(),
+        }
     }
 
     /// Clip and file frame that a character's track shows at a track frame, as moments name them.

@@ -5,6 +5,7 @@
 pub mod candidates;
 pub mod choose;
 pub mod drags;
+pub mod outcome;
 pub mod editor;
 pub mod remap;
 pub mod settings;

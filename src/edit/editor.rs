@@ -108,6 +108,11 @@ impl Editor {
         &self.scene
     }
 
+    /// Scene and result, without what solves them.
+    pub fn into_parts(self) -> (Scene, Edit) {
+        (self.scene, self.edit)
+    }
+
     /// The result of the last solve that succeeded; before the first, the motion at rest.
     pub fn edit(&self) -> &Edit {
         &self.edit

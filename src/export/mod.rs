@@ -1,6 +1,7 @@
 //! Files out of results.
 
 pub mod bvh;
+pub mod changes;
 pub mod files;
 pub mod gltf;
 mod palette;

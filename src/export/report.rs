@@ -4,9 +4,11 @@ use serde::Serialize;
 
 use crate::clip::Clip;
 use crate::constraint::Strength;
+use crate::discrete::outcome::Outcome;
 use crate::edit::energy::{Energy, length};
-use crate::edit::{Edit, Moved};
+use crate::edit::Moved;
 use crate::embody::{Embodied, sample_times};
+use crate::export::changes::{ChangesReport, DiscreteReport};
 use crate::geometry::{c64, wrap};
 use crate::index::{CharacterId, floor_index};
 use crate::metrics::foot_slide_at;
@@ -71,6 +73,9 @@ pub struct CharacterReport {
     pub foot_slide: RestEdited,
     /// Clips of other bodies, each once: scale, joints that nothing corresponds to, how far legs fall short.
     pub performed: Vec<Performed>,
+    /// What became of the track, where it could change.
+    #[serde(flatten, skip_serializing_if = "Option::is_none")]
+    pub changes: Option<ChangesReport>,
     /// Discrete edits, in order.
     pub discrete: Vec<DiscreteReport>,
 }
@@ -89,13 +94,6 @@ pub struct RestEdited {
 pub struct MinMax {
     pub min: f64,
     pub max: f64,
-}
-
-/// A discrete edit.
-#[derive(Clone, Debug, Serialize)]
-pub struct DiscreteReport {
-    /// What was done.
-    pub kind: String,
 }
 
 /// One object's share of a report.
@@ -193,8 +191,8 @@ pub struct Timing {
 }
 
 /// Reports on an edit; files and times are filled in where files are written and clocks are read.
-pub fn report(embodied: &Embodied<'_>, edit: &Edit, resampled: &Resampled) -> Report {
-    let scene = embodied.moved.scene;
+pub fn report(embodied: &Embodied<'_>, outcome: &Outcome, resampled: &Resampled) -> Report {
+    let (scene, edit) = (embodied.moved.scene, &outcome.edit);
     let constraints = scene.constraints.iter().zip(residuals(scene, edit));
     let moved = Moved { scene, characters: &edit.characters };
     let objects = object_motions(scene, &moved);
@@ -208,7 +206,7 @@ pub fn report(embodied: &Embodied<'_>, edit: &Edit, resampled: &Resampled) -> Re
         fps: scene.fps,
         start_time: resampled.start_time,
         characters: (0..scene.characters.len())
-            .map(|who| character_report(embodied, resampled, CharacterId::from_usize(who)))
+            .map(|who| character_report(embodied, outcome, resampled, CharacterId::from_usize(who)))
             .collect(),
         objects: objects.iter().map(|motion| object_report(&moved, motion, resampled)).collect(),
         constraints: constraints
@@ -227,7 +225,12 @@ pub fn report(embodied: &Embodied<'_>, edit: &Edit, resampled: &Resampled) -> Re
     }
 }
 
-fn character_report(embodied: &Embodied<'_>, resampled: &Resampled, who: CharacterId) -> CharacterReport {
+fn character_report(
+    embodied: &Embodied<'_>,
+    outcome: &Outcome,
+    resampled: &Resampled,
+    who: CharacterId,
+) -> CharacterReport {
     let Moved { scene, characters } = embodied.moved;
     let (character, edited) = (&scene.characters[who.as_usize()], &characters[who.as_usize()]);
     let frames_out = resampled.clips[who.as_usize()].frame_count();
@@ -237,19 +240,30 @@ fn character_report(embodied: &Embodied<'_>, resampled: &Resampled, who: Charact
     let (min, max) =
         steps.fold((f64::INFINITY, f64::NEG_INFINITY), |(min, max), step| (min.min(step), max.max(step)));
     let still = edited.times.len() < 2;
-    let frames_in = floor_index(last * WORKING_STEP * scene.fps + 1e-6) + 1;
+    let rest = &outcome.original.characters[who.as_usize()].track;
+    let rest_last = rest.frame_count() as f64 - 1.0 + rest.overhang();
+    let frames_in = floor_index(rest_last * WORKING_STEP * scene.fps + 1e-6) + 1;
     let edited_slide = slide(scene, embodied, who, (resampled.start_time, frames_out));
-    let rest_slide = slide(scene, &AtRest(scene), who, (0.0, frames_in));
+    let rest_slide = slide(&outcome.original, &AtRest(&outcome.original), who, (0.0, frames_in));
     CharacterReport {
         name: character.name.clone(),
         frames_in,
         frames_out,
         seconds: time_of(&edited.times, last) - edited.times[0],
-        path_length: RestEdited { rest: length(&edited.rest.positions), edited: length(&edited.positions) },
+        path_length: RestEdited {
+            rest: length(&rest.rest_path().positions),
+            edited: length(&edited.positions),
+        },
         time_step: if still { MinMax { min: 1.0, max: 1.0 } } else { MinMax { min, max } },
         foot_slide: RestEdited { rest: rest_slide, edited: edited_slide },
         performed: character.performed.clone(),
-        discrete: Vec::new(),
+        changes: outcome.tracks.get(who.as_usize()).map(|changes| ChangesReport::new(changes, rest, track)),
+        discrete: outcome
+            .log
+            .iter()
+            .filter(|entry| entry.character == who)
+            .map(DiscreteReport::new)
+            .collect(),
     }
 }
 
