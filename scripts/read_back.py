@@ -3,9 +3,10 @@
     python read_back.py SCENE RESULT_FOLDER
 
 SCENE is the scene file (TOML), or JSON with the same tables. Of its hard constraints those given as numbers are looked at:
-pins, places and facings relative to characters or resting objects, times, durations and synchronised moments. What holds as
-before the edit is looked at where both perform one BVH clip each of known unit, whose file is read as well. When a moment
-happens comes from report.json, as does what concerns times only. Where a moment falls on an output frame, places must hold
+pins, places and facings relative to characters or objects, times, durations and synchronised moments. What holds as
+before the edit is looked at where both perform one BVH clip each of known unit, whose file is read as well. Where objects
+that move are comes from the animation in scene.glb, whose numbers are single precision. When a moment happens comes from
+report.json, as does what concerns times only. Where a moment falls on an output frame, places must hold
 to 1e-6 m and facings to 1e-4 degrees; where it falls between two, the four frames around it are interpolated, and the
 tolerances MID_... hold.
 
@@ -25,6 +26,9 @@ import pybvh
 
 PLACE_TOLERANCE = 1e-6  # metres; files carry ten decimals
 FACING_TOLERANCE = 1e-4  # degrees
+# Beside objects that move: places are single precision, on stages of tens of metres.
+GLB_PLACE_TOLERANCE = 1e-5
+GLB_FACING_TOLERANCE = 1e-3
 TIME_TOLERANCE = 1e-9  # seconds
 # Between frames, of what a cubic through four frames at 30 fps misses in quick motion.
 MID_PLACE_TOLERANCE = 5e-3
@@ -56,6 +60,53 @@ def thighs(names):
     raise ValueError(f"no hips among {', '.join(names)}")
 
 
+def between(track, frame):
+    """What a track has between two frames: the cubic through the four around it."""
+    first = min(max(int(np.floor(frame)) - 1, 0), len(track) - 4)
+    nodes = np.arange(first, first + 4)
+    weights = [np.prod([(frame - m) / (n - m) for m in nodes if m != n]) for n in nodes]
+    return np.asarray(weights) @ track[nodes]
+
+
+class Objects:
+    """Places and facings of the objects that move, frame by frame, from the animation of a GLB file."""
+
+    TYPES = {"VEC3": 3, "VEC4": 4}
+
+    def __init__(self, path):
+        data = path.read_bytes()
+        length = int.from_bytes(data[12:16], "little")
+        self.document = json.loads(data[20 : 20 + length])
+        self.buffer = data[28 + length :]
+        self.tracks = {}
+        for animation in self.document.get("animations", []):
+            for channel in animation["channels"]:
+                target, sampler = channel["target"], animation["samplers"][channel["sampler"]]
+                name = self.document["nodes"][target["node"]].get("name")
+                if target["path"] in ("translation", "rotation"):
+                    self.tracks.setdefault((name, target["path"]), self.rows(sampler["output"]))
+
+    def rows(self, index):
+        accessor = self.document["accessors"][index]
+        view = self.document["bufferViews"][accessor["bufferView"]]
+        start = view.get("byteOffset", 0) + accessor.get("byteOffset", 0)
+        width = self.TYPES[accessor["type"]]
+        values = np.frombuffer(self.buffer, "<f4", accessor["count"] * width, start)
+        return values.reshape(-1, width).astype(float)
+
+    def stance(self, name, frame):
+        """Place and facing (a unit number) at a frame, which may lie between two."""
+        places, turns = self.tracks[name, "translation"], self.tracks[name, "rotation"]
+        # About +y: e^{i facing} = (w + i y)^2.
+        track = np.stack([plan(places), (turns[:, 3] + 1j * turns[:, 1]) ** 2], axis=1)
+        nearest = round(frame)
+        if abs(frame - nearest) < FRAME_TOLERANCE:
+            place, ahead = track[min(nearest, len(track) - 1)]
+        else:
+            place, ahead = between(track, frame)
+        return place, ahead / abs(ahead)
+
+
 class Performer:
     """Positions of root and hips in one file, frame by frame, in metres."""
 
@@ -73,10 +124,7 @@ class Performer:
         if abs(frame - nearest) < FRAME_TOLERANCE:
             root, left, right = self.track[nearest]
         else:
-            first = min(max(int(np.floor(frame)) - 1, 0), self.frame_count - 4)
-            nodes = np.arange(first, first + 4)
-            weights = [np.prod([(frame - m) / (n - m) for m in nodes if m != n]) for n in nodes]
-            root, left, right = np.asarray(weights) @ self.track[nodes]
+            root, left, right = between(self.track, frame)
         ahead = -1j * (left - right)
         return root, ahead / abs(ahead)
 
@@ -90,6 +138,7 @@ class ReadBack:
         self.times = {moment["name"]: moment["time"] for moment in self.report["moments"]}
         self.passed = self.failed = self.unchecked = self.places = 0
         self.performers, self.sources = {}, {}
+        self.objects = Objects(folder / "scene.glb") if scene.get("object") else None
         files = [name for name in self.report["files"] if name.endswith(".bvh")]
         for told, name in zip(self.report["characters"], files, strict=True):
             performer = Performer(folder / name)
@@ -122,14 +171,14 @@ class ReadBack:
             self.tell(False, f"{name} is at frame {frame} of {performer.frame_count}")
         return None
 
-    def place(self, label, error, on_frame):
+    def place(self, label, error, on_frame, tolerance=PLACE_TOLERANCE):
         self.places += 1
-        tolerance = PLACE_TOLERANCE if on_frame else MID_PLACE_TOLERANCE
+        tolerance = tolerance if on_frame else MID_PLACE_TOLERANCE
         self.holds(f"{label}, place{'' if on_frame else ' between frames'}", abs(error), tolerance, "m")
 
-    def facing(self, label, found, wanted_degrees, on_frame):
+    def facing(self, label, found, wanted_degrees, on_frame, tolerance=FACING_TOLERANCE):
         self.places += 1
-        tolerance = FACING_TOLERANCE if on_frame else MID_FACING_TOLERANCE
+        tolerance = tolerance if on_frame else MID_FACING_TOLERANCE
         error = abs(np.degrees(np.angle(found * np.exp(-1j * np.radians(wanted_degrees)))))
         self.holds(f"{label}, facing{'' if on_frame else ' between frames'}", error, tolerance, "deg")
 
@@ -154,7 +203,10 @@ class ReadBack:
         moments = instants(relative)
         for at, to in zip(moments, partners if len(partners) == len(moments) else partners * len(moments)):
             label = f"{name} at {at} to {to}"
-            stance, partner = self.moment(at), self.partner(to)
+            stance, partner = self.moment(at), self.partner(to, at)
+            tolerances = (PLACE_TOLERANCE, FACING_TOLERANCE)
+            if self.moves(to):
+                tolerances = (GLB_PLACE_TOLERANCE, GLB_FACING_TOLERANCE)
             if stance is None or partner is None:
                 self.leave(f"{label}: no frame shows it")
                 continue
@@ -163,9 +215,9 @@ class ReadBack:
                 self.leave(f"{label}: not given in numbers")
             on_frame = stance[2] and partner[2]
             if offset is not None:
-                self.place(label, (stance[0] - partner[0]) / partner[1] - offset, on_frame)
+                self.place(label, (stance[0] - partner[0]) / partner[1] - offset, on_frame, tolerances[0])
             if facing is not None:
-                self.facing(label, stance[1] / partner[1], facing, on_frame)
+                self.facing(label, stance[1] / partner[1], facing, on_frame, tolerances[1])
 
     def wanted(self, relative, at, to):
         """Offset and facing (degrees) that a relative constraint holds; None for what is free or not known here."""
@@ -205,13 +257,19 @@ class ReadBack:
             self.sources[name] = Performer(folder / inside, unit)
         return self.sources[name]
 
-    def partner(self, to):
-        """Stance of whom or what a constraint is relative to."""
+    def moves(self, name):
+        """Whether this is an object that is carried or goes by keys."""
+        things = [thing for thing in self.scene.get("object", []) if thing["name"] == name]
+        carried = any(carry["object"] == name for carry in self.scene.get("carry", []))
+        return any(carried or "keys" in thing for thing in things)
+
+    def partner(self, to, at):
+        """Stance of whom or what a constraint is relative to, at a moment."""
         for thing in self.scene.get("object", []):
+            if thing["name"] == to and self.moves(to):
+                frame = (self.times[at] - self.report["start_time"]) * self.report["fps"]
+                return *self.objects.stance(to, frame), abs(frame - round(frame)) < FRAME_TOLERANCE
             if thing["name"] == to:
-                carried = any(carry["object"] == to for carry in self.scene.get("carry", []))
-                if carried or "keys" in thing:
-                    return None
                 return complex(*thing["position"]), np.exp(1j * np.radians(thing.get("facing", 0.0))), True
         return self.moment(to)
 

@@ -49,6 +49,8 @@ pub enum EffectorTarget {
         character: CharacterId,
         /// Of that character's skeleton.
         joint: JointId,
+        /// From the joint, in its axes, metres: a place on the body.
+        point: DVec3,
         /// When there, an interval with an interval; `None`: at the same time.
         when: Option<When>,
     },

@@ -9,11 +9,12 @@ use std::sync::Arc;
 use rayon::prelude::*;
 
 use crate::clip::Clip;
-use crate::clip::contacts::FootContacts;
+use crate::clip::contacts::annotated::AnnotatedContact;
+use crate::clip::contacts::{ContactPoint, Contacts, runs};
 use crate::edit::{Edit, Moved};
 use crate::full_body::{BodyInput, BodyReport, Effector, PlantMode, Target, refine};
 use crate::geometry::slerp;
-use crate::index::CharacterId;
+use crate::index::{CharacterId, SourceFrame};
 use crate::object_motion::{ObjectMotion, Performance, object_motions, skeleton_of};
 use crate::reach::{JointTarget, Stage, carry_targets, constrained_times, effector_targets};
 use crate::resample::{Resampled, shown_contacts_at};
@@ -33,7 +34,7 @@ pub struct Body {
     /// After it.
     pub poses: Vec<Pose>,
     /// Which points of the feet are planted.
-    pub planted: Vec<FootContacts>,
+    pub planted: Vec<Contacts>,
     /// What was done, and what could not be.
     pub report: BodyReport,
 }
@@ -64,14 +65,29 @@ pub fn embody<'a>(scene: &'a Scene, edit: &'a Edit, resampled: &mut Resampled) -
         })
         .collect();
     for (clip, body) in resampled.clips.iter_mut().zip(&bodies) {
-        let frames = (0..clip.frame_count()).map(|frame| {
-            let time = start + frame as f64 / scene.fps;
-            body.poses[body.nearest(time)].clone()
-        });
-        let poses: Vec<Pose> = frames.collect();
-        *clip = Clip::from_poses(&clip.name, Arc::clone(&clip.skeleton), clip.fps, &poses);
+        let frames = 0..clip.frame_count();
+        let samples: Vec<usize> =
+            frames.map(|frame| body.nearest(start + frame as f64 / scene.fps)).collect();
+        let poses: Vec<Pose> = samples.iter().map(|sample| body.poses[*sample].clone()).collect();
+        let planted: Vec<Contacts> = samples.iter().map(|sample| body.planted[*sample]).collect();
+        let made = Clip::from_poses(&clip.name, Arc::clone(&clip.skeleton), clip.fps, &poses);
+        *clip = Clip { contacts: hands(&planted), ..made };
     }
     Embodied { moved, bodies }
+}
+
+/// What is to be stated of a clip whose points bear as in `planted`, one a frame: hands, which nobody finds.
+fn hands(planted: &[Contacts]) -> Vec<AnnotatedContact> {
+    let of_point = |point: ContactPoint| {
+        let bears: Vec<bool> = planted.iter().map(|contact| contact.at(point)).collect();
+        let contact = move |(first, last)| AnnotatedContact {
+            point,
+            from: SourceFrame::from_usize(first),
+            to: SourceFrame::from_usize(last),
+        };
+        runs(&bears).into_iter().map(contact)
+    };
+    [ContactPoint::LeftHand, ContactPoint::RightHand].into_iter().flat_map(of_point).collect()
 }
 
 /// One character; `clock`: scene time of output frame 0, and how many the character has.

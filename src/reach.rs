@@ -264,13 +264,15 @@ impl Reach<'_> {
                 let pose = stage.objects[object.as_usize()].pose_at(stage.scene, stage.performance, time);
                 (JointFrame { position: pose.apply(*point), rotation: yaw(pose.facing) }, false)
             }
-            EffectorTarget::Joint { character, joint, when } => {
+            EffectorTarget::Joint { character, joint, point, when } => {
                 let theirs = when
                     .as_ref()
                     .map_or(time, |other| paired_time(stage, (&self.effector.when, other), time));
                 let hands = is_hand(stage.scene, self.own, self.effector.joint)
                     && is_hand(stage.scene, *character, *joint);
-                (joint_at((stage.scene, result), *character, *joint, theirs), hands)
+                let reached = joint_at((stage.scene, result), *character, *joint, theirs);
+                let position = reached.position + reached.rotation * *point;
+                (JointFrame { position, ..reached }, hands && *point == DVec3::ZERO)
             }
         }
     }
@@ -314,13 +316,13 @@ impl Reach<'_> {
 
     /// The hand of `who` that comes to meet the joint, and from when to when.
     fn met_by<P: Performance>(&self, stage: &Stage<'_, P>, who: CharacterId) -> Option<(JointId, [f64; 2])> {
-        let EffectorTarget::Joint { character, joint, when } = &self.effector.target else {
+        let EffectorTarget::Joint { character, joint, point, when } = &self.effector.target else {
             return None;
         };
         let hands =
             is_hand(stage.scene, self.own, self.effector.joint) && is_hand(stage.scene, *character, *joint);
         let times = ends(stage, when.as_ref().unwrap_or(&self.effector.when));
-        (hands && *character == who).then_some((*joint, times))
+        (hands && *point == DVec3::ZERO && *character == who).then_some((*joint, times))
     }
 
     /// The own time that goes with a time of the partner.

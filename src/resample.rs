@@ -8,7 +8,7 @@ use std::sync::Arc;
 use rayon::prelude::*;
 
 use crate::clip::Clip;
-use crate::clip::contacts::FootContacts;
+use crate::clip::contacts::Contacts;
 use crate::edit::{Edit, EditedCharacter};
 use crate::index::floor_index;
 use crate::scene::Scene;
@@ -80,12 +80,12 @@ fn check_size(scene: &Scene, edit: &Edit, start_tick: f64) -> Result<(), TooLong
 }
 
 /// Contacts of the feet at fractional frames of a track: those of the nearer working frame.
-pub fn shown_contacts_at(track: &Track, frames: &[f64]) -> Vec<FootContacts> {
+pub fn shown_contacts_at(track: &Track, frames: &[f64]) -> Vec<Contacts> {
     let known = track.collect(|clip, frame, _| clip.contacts[frame]);
     frames.iter().map(|frame| nearest(&known, *frame)).collect()
 }
 
-fn nearest(contacts: &[FootContacts], frame: f64) -> FootContacts {
+fn nearest(contacts: &[Contacts], frame: f64) -> Contacts {
     contacts[floor_index(frame.round()).min(contacts.len() - 1)]
 }
 

@@ -11,7 +11,8 @@ use crate::edit::hold::{Hold, Place};
 use crate::edit::time_row::TimePoint;
 use crate::edit::{Edit, EditedCharacter, Moved};
 use crate::geometry::{c64, cis, plan_of, wrap};
-use crate::object_motion::object_motions;
+use crate::index::CharacterId;
+use crate::object_motion::{Performance, object_motions, skeleton_of};
 use crate::path;
 use crate::resample::time_of;
 use crate::scene::Scene;
@@ -45,8 +46,14 @@ struct Stance {
     heading: f64,
 }
 
-/// Residuals of all constraints of a scene, in its order. Cost: linear in constraint samples.
+/// Residuals of all constraints of a scene, in its order, with bodies as the edit of the paths leaves them. Cost: linear in
+/// constraint samples.
 pub fn residuals(scene: &Scene, edit: &Edit) -> Vec<Residual> {
+    residuals_of(scene, edit, &Moved { scene, characters: &edit.characters })
+}
+
+/// [`residuals`] with bodies as in `result`: hands that reach far pull the whole body off its path.
+pub fn residuals_of(scene: &Scene, edit: &Edit, result: &impl Performance) -> Vec<Residual> {
     let rests: Vec<_> = edit.characters.iter().map(|character| character.rest.clone()).collect();
     let Expansion { mut held, times, following } = expand(scene, &rests);
     let moved = Moved { scene, characters: &edit.characters };
@@ -60,7 +67,7 @@ pub fn residuals(scene: &Scene, edit: &Edit) -> Vec<Residual> {
     for row in held {
         let own = &mut residuals[row.constraint.as_usize()];
         let on_path = |place: Place| path_stance(&edit.characters[place.path], place);
-        let on_motion = |place: Place| motion_stance(scene, edit, place);
+        let on_motion = |place: Place| motion_stance((scene, edit), result, place);
         match miss(row.hold, on_motion) {
             Miss::Metres(metres) => {
                 worst(&mut own.position, metres);
@@ -113,10 +120,10 @@ fn path_stance(character: &EditedCharacter, place: Place) -> Stance {
     Stance { position, heading: place.heading + turn }
 }
 
-fn motion_stance(scene: &Scene, edit: &Edit, place: Place) -> Stance {
-    let track = &scene.characters[place.path].track;
-    let pose = edit.characters[place.path].pose(track, place.frame);
-    let skeleton = &track.clips[0].clip.skeleton;
+fn motion_stance((scene, edit): (&Scene, &Edit), result: &impl Performance, place: Place) -> Stance {
+    let who = CharacterId::from_usize(place.path);
+    let pose = result.pose(who, place.frame);
+    let skeleton = skeleton_of(scene, who);
     let turned = place.heading + edit.characters[place.path].turns.at(place.frame);
     let heading = facing(skeleton, &skeleton.forward_kinematics(&pose)).unwrap_or(turned);
     Stance { position: plan_of(pose.root), heading }

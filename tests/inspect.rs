@@ -187,6 +187,44 @@ fn transitions_are_told_drawn_and_kept_unless_forbidden() {
 }
 
 #[test]
+fn a_stated_contact_is_told_and_drawn() {
+    let home = tempfile::tempdir().expect("a temporary folder");
+    let (picture, strip) = (home.path().join("p.svg"), home.path().join("s.svg"));
+    let arguments =
+        ["inspect", "builtin:idle", "--contact", "left_hand=6..9", "--contact", "RightHand=20..30"];
+    let told = cotillion(&arguments);
+    assert!(said(&told.stdout).contains("left hand   bears, as stated: 6–9"), "{}", said(&told.stdout));
+    let drawing = ["--json", "--picture", text(&picture), "--strip", text(&strip)];
+    let output = cotillion(&[&arguments[..], &drawing].concat());
+    let facts: Value = serde_json::from_slice(&output.stdout).expect("JSON and nothing else");
+    let contacts = facts[0]["contacts"].as_array().expect("a list");
+    let of_hand = |name: &str| contacts.iter().filter(|contact| contact["joint"] == name).collect::<Vec<_>>();
+    assert_eq!((&of_hand("LeftHand")[0]["from"], &of_hand("LeftHand")[0]["to"]), (&6.into(), &9.into()));
+    assert_eq!((&of_hand("RightHand")[0]["from"], &of_hand("RightHand")[0]["to"]), (&20.into(), &30.into()));
+    assert!(contacts.iter().all(|contact| contact["ground"].is_null()), "idle stands on the floor");
+    let rings = |svg: String| svg.matches("<title>hand</title>").count();
+    assert_eq!(rings(fs::read_to_string(&picture).expect("written")), 2);
+    // Without a hand that bears, the strip has fewer dots.
+    let plain = home.path().join("plain.svg");
+    assert_eq!(cotillion(&["inspect", "builtin:idle", "-q", "--strip", text(&plain)]).status.code(), Some(0));
+    let dots = |path: &Path| fs::read_to_string(path).expect("written").matches("<circle").count();
+    assert!(dots(&strip) > dots(&plain));
+}
+
+#[test]
+fn a_wrong_contact_ends_with_exit_code_2() {
+    for wrong in
+        ["left_hand", "left_hand=6", "left_hand=9..6", "left_hand=6..9999", "left_knee=6..9", "fist=6..9"]
+    {
+        let output = cotillion(&["inspect", "builtin:idle", "--contact", wrong]);
+        assert_eq!(output.status.code(), Some(2), "{wrong}");
+        assert!(said(&output.stderr).contains("--contact"), "{}", said(&output.stderr));
+    }
+    let twice = ["inspect", "builtin:idle", "--contact", "left_hand=6..9", "--contact", "left_hand=9..12"];
+    assert!(said(&cotillion(&twice).stderr).contains("overlap"));
+}
+
+#[test]
 fn wrong_options_end_with_exit_code_2_and_write_nothing() {
     let home = tempfile::tempdir().expect("a temporary folder");
     let file = home.path().join("x.bvh");

@@ -1,11 +1,11 @@
-//! What a report tells of feet.
+//! What a report tells of feet, and of bodies that hands pull off their paths.
 
 use std::path::Path;
 
 use cotillion::discrete::outcome::Outcome;
 use cotillion::edit::Editor;
 use cotillion::embody::embody;
-use cotillion::export::report::{RestEdited, report};
+use cotillion::export::report::{Report, RestEdited, report};
 use cotillion::resample::resample;
 use cotillion::scene::{ClipFolders, load_text};
 
@@ -32,13 +32,17 @@ strength = \"hard\"
 ";
 const OFF: &str = "[full_body]\nenabled = false\n";
 
-fn slide(text: &str) -> RestEdited {
+fn told(text: &str) -> Report {
     let loaded = load_text(text, Path::new("report.toml"), &ClipFolders::default()).expect("a sound scene");
     let mut editor = Editor::new(loaded.scene).expect("a regular scene");
     let edit = editor.solve().expect("the constraints agree").clone();
     let mut resampled = resample(editor.scene(), &edit).expect("a result of usual length");
     let embodied = embody(editor.scene(), &edit, &mut resampled);
-    report(&embodied, &Outcome::plain((editor.scene().clone(), edit.clone())), &resampled).characters[0].foot_slide
+    report(&embodied, &Outcome::plain((editor.scene().clone(), edit.clone())), &resampled)
+}
+
+fn slide(text: &str) -> RestEdited {
+    told(text).characters[0].foot_slide
 }
 
 #[test]
@@ -69,4 +73,18 @@ fn feet_are_measured_while_somebody_moves_whenever_they_begin() {
     // A moment between two frames is a sample too, and the way of a foot bends there.
     let found = slide(&format!("{STRETCHED}{moment}{OFF}"));
     assert!(found.edited > off.edited && found.edited < off.edited + 0.01, "{found:?} or {off:?}");
+}
+
+#[test]
+fn a_body_that_a_hand_pulls_off_its_pin_is_told_on_the_motion_and_not_on_the_path() {
+    let pull = "[[pin]]\nname = \"mark\"\nat = \"ann:60\"\nposition = [1.3, 0.0]\nstrength = \"hard\"\n\
+                [[end_effector]]\nat = \"ann:60\"\njoint = \"left_hand\"\ntarget = { position = [2.1, 1.3, 0.0] }\n";
+    let mark = |text: &str| {
+        let found = told(text).constraints.into_iter().find(|constraint| constraint.name == "mark");
+        found.expect("it is held")
+    };
+    let pulled = mark(&format!("{STRETCHED}{pull}"));
+    assert!(pulled.residual > 0.05, "{pulled:?}");
+    assert!(pulled.path_residual.is_some_and(|metres| metres < ROUNDING), "{pulled:?}");
+    assert!(mark(&format!("{STRETCHED}{pull}{OFF}")).residual < ROUNDING);
 }

@@ -9,7 +9,7 @@ use std::sync::Arc;
 
 use cotillion::clip::Clip;
 use cotillion::clip::builtin::generate;
-use cotillion::clip::contacts::{FootContacts, FootPoint, foot_point, percentile};
+use cotillion::clip::contacts::{ContactPoint, Contacts, contact_point, percentile};
 use cotillion::clip::file::read_file;
 use cotillion::clip::measure::foot_slide;
 use cotillion::clip::read::ReadOptions;
@@ -34,6 +34,10 @@ const OTHERS: [&str; 5] = [
     "bvh/mass_walk.bvh",
     "deepmimic/humanoid3d_walk.txt",
 ];
+
+/// A body whose feet are one segment straight down from the ankle, and some of those that take its walk.
+const DOWNWARD: &str = "bvh/cmu_37_01_walk.bvh";
+const AHEAD: [&str; 4] = [HUB, OTHERS[1], OTHERS[2], OTHERS[4]];
 
 /// Rounding of a bone's length, metres.
 const BONES: f64 = 1e-9;
@@ -72,6 +76,10 @@ fn main() {
         for (from, onto) in [(HUB, other), (other, HUB)] {
             push(format!("{from} performed by the body of {onto}"), Box::new(move || perform(from, onto)));
         }
+    }
+    for onto in AHEAD {
+        let name = format!("feet straight down roll off on the toes of {onto}");
+        push(name, Box::new(move || roll_off(onto)));
     }
     push("a generated walk and a capture make one track".to_owned(), Box::new(|| track(HUB, "[0, 300]")));
     libtest_mimic::run(&Arguments::from_args(), trials).exit();
@@ -220,12 +228,47 @@ fn perform(from: &str, onto: &str) -> Result<(), Failed> {
     if is_good { Ok(()) } else { Err(measures.into()) }
 }
 
+/// Points that come no more than so much higher than in the scaled clip are on the ground where its are, metres: the end of a
+/// segment straight down is under the ankle and lands before a toe that is ahead.
+const LANDED: f64 = 0.005;
+
+/// Toes slide no more than the ends of the clip's feet do, once they are on the ground.
+fn roll_off(onto: &str) -> Result<(), Failed> {
+    let own = clip(DOWNWARD)?;
+    let (there, report) = retarget(&own, &clip(onto)?)?;
+    let contacts = working(&own).contacts;
+    let lengths = ContactPoint::FEET.map(|point| {
+        let [from, to] = [&own, &there].map(|clip| ways(clip, point));
+        let floor = |ways: &[DVec3]| percentile(ways.iter().map(|place| place.y).collect(), 0.01);
+        let [floor_from, floor_to] = [floor(&from), floor(&to)];
+        let is_down = |frame: &usize| {
+            let bears = contacts[*frame].at(point) && contacts[frame + 1].at(point);
+            bears && to[*frame].y - floor_to < (from[*frame].y - floor_from) * report.scale + LANDED
+        };
+        let length = |ways: &[DVec3]| -> f64 {
+            let steps = (0..ways.len() - 1).filter(is_down);
+            steps.map(|frame| (ways[frame + 1] - ways[frame]).with_y(0.0).length()).sum()
+        };
+        [length(&from) * report.scale, length(&to)]
+    });
+    let [from, to] = [0, 1].map(|which| lengths.iter().map(|length| length[which]).sum::<f64>());
+    if to <= from { Ok(()) } else { Err(format!("they slide {:.3} times as far", to / from).into()) }
+}
+
+/// Places of a point of the feet in each working frame.
+fn ways(clip: &Clip, point: ContactPoint) -> Vec<DVec3> {
+    let at = contact_point(&clip.skeleton, point).expect("walking bodies have feet");
+    let working = working(clip);
+    let poses = (0..working.frame_count()).map(|frame| working.pose(frame as f64));
+    poses.map(|pose| at.place(&clip.skeleton.forward_kinematics(&pose))).collect()
+}
+
 fn working(clip: &Clip) -> WorkingClip {
     WorkingClip::new("", Arc::new(clip.clone()), clip.usable.0, clip.usable.1)
 }
 
 /// Mean slide of the feet where `contacts` say that they bear, m/s.
-fn slide(clip: &Clip, contacts: &[FootContacts]) -> f64 {
+fn slide(clip: &Clip, contacts: &[Contacts]) -> f64 {
     let working = working(clip);
     let poses: Vec<Pose> = (0..working.frame_count()).map(|frame| working.pose(frame as f64)).collect();
     let sampled = Clip::from_poses("", Arc::clone(&clip.skeleton), 1.0 / WORKING_STEP, &poses);
@@ -235,7 +278,7 @@ fn slide(clip: &Clip, contacts: &[FootContacts]) -> f64 {
 /// Height of the lowest ankle or toe in each working frame, metres.
 fn lowest(clip: &Clip) -> Vec<f64> {
     let points: Vec<_> =
-        FootPoint::ALL.iter().filter_map(|point| foot_point(&clip.skeleton, *point)).collect();
+        ContactPoint::FEET.iter().filter_map(|point| contact_point(&clip.skeleton, *point)).collect();
     let working = working(clip);
     let poses = (0..working.frame_count()).map(|frame| working.pose(frame as f64));
     let height = |pose: Pose| {
@@ -247,13 +290,13 @@ fn lowest(clip: &Clip) -> Vec<f64> {
 
 /// Height of the soles' lowest points above the world's ground while feet bear, metres: the lower quartile, as feet that
 /// roll are higher.
-fn standing(clip: &Clip, contacts: &[FootContacts]) -> f64 {
+fn standing(clip: &Clip, contacts: &[Contacts]) -> f64 {
     let heights = lowest(clip).into_iter().zip(contacts);
     percentile(heights.filter(|(_, contact)| contact.any()).map(|(height, _)| height).collect(), 0.25)
 }
 
 /// How far the soles ever sink below where they stand, metres.
-fn depth(clip: &Clip, contacts: &[FootContacts]) -> f64 {
+fn depth(clip: &Clip, contacts: &[Contacts]) -> f64 {
     standing(clip, contacts) - lowest(clip).into_iter().fold(f64::INFINITY, f64::min)
 }
 

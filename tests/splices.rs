@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use cotillion::clip::builtin::generate;
-use cotillion::clip::contacts::{FootPoint, foot_point};
+use cotillion::clip::contacts::{ContactPoint, contact_point};
 use cotillion::clip::working::WorkingClip;
 use cotillion::geometry::{c64, log, plan_of, wrap};
 use cotillion::index::{FrameIndex, SourceFrame};
@@ -126,8 +126,8 @@ fn planted(track: &Track, entry: usize, frame: usize, run: usize) -> Vec<c64> {
     let clip = &track.clips[entry];
     let skeleton = &clip.clip.skeleton;
     let frames = skeleton.forward_kinematics(&clip.pose(frame as f64));
-    let place = |point| plan_of(foot_point(skeleton, point).expect("a foot").place(&frames));
-    FootPoint::ALL.into_iter().map(|point| track.runs[run].placement.apply(place(point))).collect()
+    let place = |point| plan_of(contact_point(skeleton, point).expect("a foot").place(&frames));
+    ContactPoint::FEET.into_iter().map(|point| track.runs[run].placement.apply(place(point))).collect()
 }
 
 #[test]

@@ -63,6 +63,16 @@ fn rows_that_cannot_be_factored_name_the_contradiction() {
     );
 }
 
+#[test]
+fn who_stands_perfectly_still_before_a_jump_does_not_turn_freely_there() {
+    same_by_both(
+        "[clips]\nwalk = { builtin = \"walk\", start = 1, stop = 1, seconds = 2.5 }\njump = \"builtin:jump_over\"\n\
+         [[character]]\nname = \"a\"\ntrack = [\"walk\", \"jump\", \"walk\"]\nposition = [8.7, 2.0]\nfacing = -130\n\
+         [[pin]]\nat = \"a/jump:takeoff\"\nposition = [7.4, 0.6]\nfacing = -130\nstrength = \"hard\"\n\
+         [[pin]]\nat = \"a:start\"\nposition = [9.0, 2.0]\n",
+    );
+}
+
 /// Idle frames that sway on, after a halt whose last frames are all at one point: the stretch that stays ends there.
 #[test]
 fn who_stands_in_one_point_and_then_sways_has_one_path() {

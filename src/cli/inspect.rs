@@ -3,13 +3,17 @@
 use std::path::Path;
 use std::sync::Arc;
 
+use cotillion::clip::Clip;
 use cotillion::clip::builtin::{self, BuiltinError, BuiltinInfo};
+use cotillion::clip::contacts::ContactPoint;
+use cotillion::clip::contacts::annotated::{AnnotatedContact, overlap, point_named};
 use cotillion::clip::inspect::{ClipFacts, facts_text, inspect as facts_of};
 use cotillion::clip::read::ReadOptions;
 use cotillion::clip::working::WorkingClip;
 use cotillion::graph::GraphSettings;
 use cotillion::graph::facts::transition_facts;
 use cotillion::graph_cache::{CacheNote, cached_graph};
+use cotillion::index::SourceFrame;
 use rayon::prelude::*;
 use serde_json::json;
 
@@ -60,7 +64,8 @@ fn inspected(
     args: &InspectArgs,
     (options, cache): (&ReadOptions, Option<&Path>),
 ) -> Result<Inspected, PlainError> {
-    let read = args.read.read(path, options)?;
+    let mut read = args.read.read(path, options)?;
+    read.clip.contacts.extend(stated_contacts(&args.contact, &read.clip)?);
     let mut facts = facts_of(&path.display().to_string(), &read);
     let (first, last) = read.clip.usable;
     let name = read.clip.name.clone();
@@ -82,6 +87,34 @@ const MOST_FRAMES: usize = 20_000;
 fn too_long(file: &str, frames: usize) -> PlainError {
     let message = format!("{frames} working frames; the motion graph of up to {MOST_FRAMES} is drawn");
     plain(file, message, Some("choose a part with --frames FIRST..LAST".to_owned()))
+}
+
+/// Contacts given as JOINT=FIRST..LAST.
+fn stated_contacts(given: &[String], clip: &Clip) -> Result<Vec<AnnotatedContact>, PlainError> {
+    let (first, last) = clip.usable;
+    let wrong = |message: String| {
+        let roles = ContactPoint::ALL.map(|point| point.role().name()).join(", ");
+        let help =
+            format!("write JOINT=FIRST..LAST with frames {} to {} and one of {roles}", first.0, last.0);
+        plain("--contact", message, Some(help))
+    };
+    let contact = |text: &String| {
+        let form = || wrong(format!("\"{text}\" is not JOINT=FIRST..LAST"));
+        let (joint, frames) = text.split_once('=').ok_or_else(form)?;
+        let (from, to) = frames.split_once("..").ok_or_else(form)?;
+        let frame = |text: &str| text.trim().parse().map(SourceFrame).map_err(|_| form());
+        let (from, to) = (frame(from)?, frame(to)?);
+        if from > to || from < first || to > last {
+            return Err(wrong(format!("\"{text}\" is no range of frames of {}", clip.name)));
+        }
+        let point = point_named(&clip.skeleton, joint.trim()).map_err(|error| wrong(error.to_string()))?;
+        Ok(AnnotatedContact { point, from, to })
+    };
+    let contacts: Vec<AnnotatedContact> = given.iter().map(contact).collect::<Result<_, _>>()?;
+    match overlap(&contacts) {
+        None => Ok(contacts),
+        Some((a, b)) => Err(wrong(format!("\"{}\" and \"{}\" overlap", given[a], given[b]))),
+    }
 }
 
 /// Lists generated clips, or writes one.

@@ -119,6 +119,9 @@ struct InspectArgs {
     clips: Vec<PathBuf>,
     #[command(flatten)]
     read: capture::ReadArgs,
+    /// When a hand or foot bears, over what is found, as in left_hand=61..64, by role or joint; may be repeated.
+    #[arg(long, value_name = "JOINT=FIRST..LAST")]
+    contact: Vec<String>,
     #[command(flatten)]
     draw: DrawArgs,
     #[command(flatten)]

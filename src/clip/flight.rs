@@ -7,7 +7,7 @@
 use glam::DVec3;
 
 use crate::clip::contacts::{
-    BodyPoint, FootContacts, FootPoint, drop_short, end_of, foot_point, percentile, runs, speeds,
+    BodyPoint, ContactPoint, Contacts, contact_point, drop_short, end_of, percentile, runs, speeds,
 };
 use crate::clip::roles::is_helper;
 use crate::clip::working::WORKING_STEP;
@@ -54,7 +54,7 @@ pub fn flight(
     skeleton: &Skeleton,
     poses: &[Vec<JointFrame>],
     floor_poses: &[Vec<JointFrame>],
-    contacts: &[FootContacts],
+    contacts: &[Contacts],
     settings: &FlightSettings,
 ) -> Vec<bool> {
     let feet = bearing_points(skeleton);
@@ -87,7 +87,7 @@ pub fn flight(
 fn bearing_points(skeleton: &Skeleton) -> Vec<BodyPoint> {
     let tips =
         [JointRole::LeftToe, JointRole::RightToe].map(|role| end_of(skeleton, skeleton.joint_of(role)?));
-    FootPoint::ALL.iter().map(|&point| foot_point(skeleton, point)).chain(tips).flatten().collect()
+    ContactPoint::FEET.iter().map(|&point| contact_point(skeleton, point)).chain(tips).flatten().collect()
 }
 
 /// All joints but the feet, what hangs on them, and helpers.

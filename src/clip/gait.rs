@@ -1,6 +1,6 @@
 //! Where in its cycle a gait is: from the strikes of the feet, which alternate, and from how far one foot is ahead of the other.
 
-use crate::clip::contacts::{BodyPoint, FootContacts, FootPoint, foot_point, runs};
+use crate::clip::contacts::{BodyPoint, ContactPoint, Contacts, contact_point, runs};
 use crate::clip::working::WorkingClip;
 use crate::geometry::{cis, plan_of};
 
@@ -24,9 +24,9 @@ pub struct Gait {
 
 /// Gait of a clip by the contacts of its feet and by which frames move: who stands shifts feet without a gait. One of each a
 /// working frame.
-pub fn gait(contacts: &[FootContacts], moves: &[bool]) -> Gait {
-    let left: Vec<bool> = contacts.iter().map(|contact| contact.left_heel || contact.left_toe).collect();
-    let right: Vec<bool> = contacts.iter().map(|contact| contact.right_heel || contact.right_toe).collect();
+pub fn gait(contacts: &[Contacts], moves: &[bool]) -> Gait {
+    let left: Vec<bool> = contacts.iter().map(|contact| contact.left_foot()).collect();
+    let right: Vec<bool> = contacts.iter().map(|contact| contact.right_foot()).collect();
     let (left, right) = (strikes(&left), strikes(&right));
     let goes_on = |(from, to): &(usize, usize)| moves[*from..*to].iter().all(|moves| *moves);
     let of_left: Vec<(usize, usize)> = cycles(&left, &right).into_iter().filter(goes_on).collect();
@@ -81,7 +81,7 @@ impl Gait {
 pub fn feet_apart(clip: &WorkingClip) -> Option<Vec<f64>> {
     let skeleton = &clip.clip.skeleton;
     let (left, right) =
-        (foot_point(skeleton, FootPoint::LeftHeel)?, foot_point(skeleton, FootPoint::RightHeel)?);
+        (contact_point(skeleton, ContactPoint::LeftHeel)?, contact_point(skeleton, ContactPoint::RightHeel)?);
     let apart = |frame: usize| {
         let frames = skeleton.forward_kinematics(&clip.pose(frame as f64));
         let place = |point: &BodyPoint| plan_of(point.place(&frames));
@@ -95,13 +95,13 @@ mod tests {
     use super::*;
 
     /// Strikes of the left foot every 30 frames, from frame 5 on; of the right one half a cycle later.
-    fn steps(frames: usize) -> Vec<FootContacts> {
+    fn steps(frames: usize) -> Vec<Contacts> {
         let bears = |frame: usize, strike: usize| frame >= strike && (frame - strike) % 30 < 18;
         (0..frames)
-            .map(|frame| FootContacts {
+            .map(|frame| Contacts {
                 left_heel: bears(frame, 5),
                 right_toe: bears(frame, 20),
-                ..FootContacts::default()
+                ..Contacts::default()
             })
             .collect()
     }
@@ -132,8 +132,8 @@ mod tests {
     #[test]
     fn rests_and_stutters_have_no_phase() {
         let mut contacts = steps(100);
-        for contact in &mut contacts[30..] {
-            *contact = FootContacts { left_heel: true, right_toe: true, ..FootContacts::default() };
+        for contact in &mut contacts[8..] {
+            *contact = Contacts { left_heel: true, right_toe: true, ..Contacts::default() };
         }
         contacts[33].left_heel = false;
         assert_eq!(gait(&contacts, &[true; 100]).cycle, None);

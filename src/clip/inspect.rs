@@ -11,7 +11,8 @@ pub use transitions::TransitionFacts;
 
 use serde::Serialize;
 
-use crate::clip::contacts::{FootContacts, FootPoint, foot_point, runs};
+use crate::clip::contacts::raised::RaisedGround;
+use crate::clip::contacts::{ContactPoint, contact_point, runs};
 use crate::clip::measure::{doubtful_fall, foot_slide_working, root_path, standing_height};
 use crate::clip::note::ReadNote;
 use crate::clip::read::ReadClip;
@@ -46,7 +47,7 @@ pub struct ClipFacts {
     pub seconds: f64,
     /// First and last frame worth using.
     pub usable: FrameRange,
-    /// When which point of the feet bears.
+    /// When which point of the feet bears, and of the hands where that is stated.
     pub contacts: Vec<JointRange>,
     /// When any point of the left and of the right foot bears.
     pub feet: Vec<FootFact>,
@@ -78,7 +79,7 @@ pub struct FrameRange {
 }
 
 /// File frames of one joint, or of the whole body.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct JointRange {
     /// Name of the joint in the file; a toe that is the end of a foot goes by the foot's name and ` end`.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -87,6 +88,9 @@ pub struct JointRange {
     pub from: u32,
     /// Last frame.
     pub to: u32,
+    /// Height of the ground above the floor of the clip, metres, where a foot stands on something else.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub ground: Option<f64>,
 }
 
 /// When a foot bears.
@@ -138,7 +142,7 @@ pub fn inspect(file: &str, read: &ReadClip) -> ClipFacts {
         flights: runs(&working.flight)
             .into_iter()
             .map(range)
-            .map(|FrameRange { from, to }| JointRange { joint: None, from, to })
+            .map(|FrameRange { from, to }| JointRange { joint: None, from, to, ground: None })
             .collect(),
         stationary: runs(&working.stationary).into_iter().map(range).collect(),
         foot_slide: foot_slide_working(&working),
@@ -174,23 +178,21 @@ fn turn(working: &WorkingClip) -> f64 {
 }
 
 fn feet(working: &WorkingClip) -> Vec<FootFact> {
-    let left = |contact: &FootContacts| contact.left_heel || contact.left_toe;
-    let right = |contact: &FootContacts| contact.right_heel || contact.right_toe;
     let fact = |foot: &str, bears: Vec<bool>| FootFact {
         foot: foot.to_owned(),
         ranges: runs(&bears).into_iter().map(|run| file_range(working, run)).collect(),
     };
     vec![
-        fact("left", working.contacts.iter().map(left).collect()),
-        fact("right", working.contacts.iter().map(right).collect()),
+        fact("left", working.contacts.iter().map(|contact| contact.left_foot()).collect()),
+        fact("right", working.contacts.iter().map(|contact| contact.right_foot()).collect()),
     ]
 }
 
 fn contact_ranges(working: &WorkingClip) -> Vec<JointRange> {
     let skeleton = &working.clip.skeleton;
     let mut ranges = Vec::new();
-    for point in FootPoint::ALL {
-        let Some(at) = foot_point(skeleton, point) else {
+    for point in ContactPoint::ALL {
+        let Some(at) = contact_point(skeleton, point) else {
             continue;
         };
         let name = &skeleton.joints[at.joint.as_usize()].name;
@@ -199,7 +201,10 @@ fn contact_ranges(working: &WorkingClip) -> Vec<JointRange> {
         let labels: Vec<bool> = working.contacts.iter().map(|contact| contact.at(point)).collect();
         ranges.extend(runs(&labels).into_iter().map(|run| {
             let FrameRange { from, to } = file_range(working, run);
-            JointRange { joint: Some(joint.clone()), from, to }
+            let under =
+                |ground: &&RaisedGround| ground.point == point && (run.0..=run.1).contains(&ground.first);
+            let ground = working.grounds.iter().find(under).map(|ground| ground.height);
+            JointRange { joint: Some(joint.clone()), from, to, ground }
         }));
     }
     ranges
@@ -234,11 +239,12 @@ fn warnings(read: &ReadClip, working: &WorkingClip) -> Vec<String> {
         .zip(&working.flight)
         .filter(|(contact, flies)| !**flies && !contact.any())
         .count();
-    let has_feet = FootPoint::ALL.iter().any(|&point| foot_point(&read.clip.skeleton, point).is_some());
+    let has_feet =
+        ContactPoint::FEET.iter().any(|&point| contact_point(&read.clip.skeleton, point).is_some());
     if has_feet && unsupported as f64 > DOUBTFUL_SHARE * working.frame_count() as f64 {
         warnings.push(format!(
-            "no foot bears on the floor in {unsupported} of {} working frames, and the body does not fly: a slope, steps, a seat, \
-             or sliding feet; contacts there are wrong",
+            "no foot bears in {unsupported} of {} working frames, and the body does not fly: a seat, sliding feet, or hands \
+             that are not stated to bear",
             working.frame_count()
         ));
     }

@@ -3,7 +3,7 @@
 use glam::DVec3;
 
 use crate::clip::Clip;
-use crate::clip::contacts::{FootContacts, FootPoint, foot_point, percentile, runs};
+use crate::clip::contacts::{ContactPoint, Contacts, contact_point, percentile, runs};
 use crate::clip::flight::{fitted_gravity, mean_heights};
 use crate::clip::note::ReadNote;
 use crate::clip::roles::is_helper;
@@ -18,7 +18,7 @@ pub const PATH_STEP: f64 = 0.1;
 /// Mean horizontal speed of the points of the feet while they are in contact, m/s; `None` without any contact.
 ///
 /// `contacts`: one for each frame of `clip`. A step between two frames counts for a point that is in contact at both.
-pub fn foot_slide(clip: &Clip, contacts: &[FootContacts]) -> Option<f64> {
+pub fn foot_slide(clip: &Clip, contacts: &[Contacts]) -> Option<f64> {
     let frames = 0..clip.frame_count();
     let times: Vec<f64> = frames.clone().map(|frame| frame as f64 / clip.fps).collect();
     let poses: Vec<Pose> = frames.map(|frame| clip.pose(SourceFrame::from_usize(frame))).collect();
@@ -29,11 +29,13 @@ pub fn foot_slide(clip: &Clip, contacts: &[FootContacts]) -> Option<f64> {
 pub fn foot_slide_at(
     skeleton: &Skeleton,
     (times, poses): (&[f64], &[Pose]),
-    contacts: &[FootContacts],
+    contacts: &[Contacts],
 ) -> Option<f64> {
     debug_assert_eq!([times.len(), poses.len()], [contacts.len(); 2], "one pose and one contact a time");
-    let points: Vec<_> =
-        FootPoint::ALL.into_iter().filter_map(|point| Some((point, foot_point(skeleton, point)?))).collect();
+    let points: Vec<_> = ContactPoint::FEET
+        .into_iter()
+        .filter_map(|point| Some((point, contact_point(skeleton, point)?)))
+        .collect();
     let (mut length, mut seconds) = (0.0, 0.0);
     let mut before: Option<Vec<DVec3>> = None;
     for (at, contact) in contacts.iter().enumerate() {
@@ -149,7 +151,7 @@ mod tests {
     #[test]
     fn a_foot_slides_only_while_in_contact() {
         let clip = sliding();
-        let mut contacts = vec![FootContacts::default(); 61];
+        let mut contacts = vec![Contacts::default(); 61];
         assert_eq!(foot_slide(&clip, &contacts), None);
         for contact in &mut contacts[10..20] {
             contact.left_heel = true;

@@ -27,6 +27,7 @@ use std::sync::Arc;
 
 use glam::{DQuat, DVec3};
 
+use crate::clip::contacts::annotated::AnnotatedContact;
 use crate::index::{JointId, SourceFrame};
 use crate::skeleton::{Pose, Skeleton};
 
@@ -47,6 +48,8 @@ pub struct Clip {
     pub moving_offsets: Vec<MovingOffset>,
     /// Named frames.
     pub events: BTreeMap<String, SourceFrame>,
+    /// Contacts that are stated, of hands and of feet; those of other feet are found.
+    pub contacts: Vec<AnnotatedContact>,
     /// First and last frame worth using: all of them, but for a rest pose at frame 0.
     pub usable: (SourceFrame, SourceFrame),
 }
@@ -84,7 +87,7 @@ impl Clip {
         }
     }
 
-    /// A clip of the given poses (all of `skeleton`), without events.
+    /// A clip of the given poses (all of `skeleton`), without events and stated contacts.
     pub fn from_poses(name: &str, skeleton: Arc<Skeleton>, fps: f64, poses: &[Pose]) -> Self {
         let moving =
             poses.first().map_or(Vec::new(), |pose| pose.offsets.iter().map(|(joint, _)| *joint).collect());
@@ -103,6 +106,7 @@ impl Clip {
             rotations: poses.iter().flat_map(|pose| pose.rotations.iter().copied()).collect(),
             moving_offsets,
             events: BTreeMap::new(),
+            contacts: Vec::new(),
             usable: (SourceFrame(0), SourceFrame::from_usize(poses.len().saturating_sub(1))),
         }
     }

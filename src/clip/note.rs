@@ -131,6 +131,18 @@ impl ReadNote {
         matches!(self, Self::RestPoseLeftOut { .. } | Self::FirstFrameJumps | Self::JumpLeftOut { .. })
     }
 
+    /// Whether it tells of single frames, all of them outside `first..=last`.
+    pub fn is_outside(&self, first: SourceFrame, last: SourceFrame) -> bool {
+        let (Self::ValuesFilledIn { frames }
+        | Self::Glitches { frames }
+        | Self::GlitchesRepaired { frames }
+        | Self::Jumps { frames }) = self
+        else {
+            return false;
+        };
+        frames.iter().all(|frame| !(first..=last).contains(frame))
+    }
+
     /// Whether this tells of a repair that was asked for, not of a doubt.
     pub const fn is_repair(&self) -> bool {
         matches!(self, Self::ValuesFilledIn { .. } | Self::GlitchesRepaired { .. })
@@ -258,4 +270,18 @@ fn frame_list(frames: &[SourceFrame]) -> String {
     let more = frames.len().saturating_sub(FRAMES_NAMED);
     let rest = if more == 0 { String::new() } else { format!(" and {more} more") };
     format!("{word} {}{rest}", named.join(", "))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn faults_of_single_frames_are_outside_a_range_only_if_all_of_them_are() {
+        let [two, nine] = [2, 9].map(SourceFrame);
+        let note = ReadNote::Glitches { frames: vec![two, nine] };
+        assert!(note.is_outside(SourceFrame(3), SourceFrame(8)));
+        assert!(!note.is_outside(SourceFrame(3), nine) && !note.is_outside(two, SourceFrame(8)));
+        assert!(!ReadNote::UnitUnknown.is_outside(SourceFrame(3), SourceFrame(8)));
+    }
 }

@@ -2,7 +2,7 @@
 //!
 //! Source: Kim et al. 2009, §4.1, for the idea; the thresholds were measured on captures.
 
-use crate::clip::contacts::{FootContacts, drop_short, fill_gaps, runs};
+use crate::clip::contacts::{Contacts, drop_short, fill_gaps, runs};
 use crate::clip::working::WORKING_STEP;
 use crate::geometry::c64;
 
@@ -37,7 +37,7 @@ impl Default for StationarySettings {
 }
 
 /// Working frames of stationary stretches. `positions`: root on the plan at each working frame, metres; `contacts`: as many.
-pub fn stationary(positions: &[c64], contacts: &[FootContacts], settings: &StationarySettings) -> Vec<bool> {
+pub fn stationary(positions: &[c64], contacts: &[Contacts], settings: &StationarySettings) -> Vec<bool> {
     let last = positions.len().saturating_sub(1);
     let mut lengths = vec![0.0];
     for pair in positions.windows(2) {
@@ -80,7 +80,7 @@ mod tests {
     #[test]
     fn standing_is_stationary_and_walking_is_not() {
         let positions = stop_then_walk(40, 40, 1.0);
-        let contacts = vec![FootContacts::default(); 80];
+        let contacts = vec![Contacts::default(); 80];
         let stays = stationary(&positions, &contacts, &StationarySettings::default());
         let found = runs(&stays);
         assert_eq!(found.len(), 1);
@@ -89,7 +89,13 @@ mod tests {
 
     #[test]
     fn both_feet_down_is_not_enough_when_short_or_fast() {
-        let planted = FootContacts { left_heel: true, left_toe: true, right_heel: true, right_toe: true };
+        let planted = Contacts {
+            left_heel: true,
+            left_toe: true,
+            right_heel: true,
+            right_toe: true,
+            ..Contacts::default()
+        };
         for (frames, speed, expected) in [(30, 0.2, true), (30, 0.3, false), (20, 0.2, false)] {
             let positions = stop_then_walk(0, frames, speed);
             let stays = stationary(&positions, &vec![planted; frames], &StationarySettings::default());

@@ -3,13 +3,15 @@
 use std::sync::Arc;
 
 use crate::clip::Clip;
-use crate::clip::contacts::{ContactSettings, FootContacts, foot_contacts, sampled_frames};
+use crate::clip::contacts::annotated::apply;
+use crate::clip::contacts::raised::{RaisedGround, RaisedSettings, raise};
+use crate::clip::contacts::{ContactSettings, Contacts, foot_contacts, sampled_frames};
 use crate::clip::facing::{facing, headings, turn_about_up};
 use crate::clip::flight::{FlightSettings, flight};
 use crate::clip::stationary::{StationarySettings, stationary};
 use crate::geometry::{c64, lerp_angle, plan_of, wrap};
 use crate::index::{SourceFrame, floor_index};
-use crate::skeleton::Pose;
+use crate::skeleton::{JointFrame, Pose};
 
 /// Seconds between working frames at rest, whatever the file's or the scene's rate.
 pub const WORKING_STEP: f64 = 1.0 / 30.0;
@@ -36,8 +38,10 @@ pub struct WorkingClip {
     pub positions: Vec<c64>,
     /// Facing of the body at each working frame, radians, unwrapped from frame to frame.
     pub headings: Vec<f64>,
-    /// Which points of the feet bear on the ground at each working frame.
-    pub contacts: Vec<FootContacts>,
+    /// Which points of the feet, and stated ones of the hands, bear at each working frame.
+    pub contacts: Vec<Contacts>,
+    /// Where the ground under a foot is not the floor.
+    pub grounds: Vec<RaisedGround>,
     /// Working frames in flight: nothing touches the ground.
     pub flight: Vec<bool>,
     /// Working frames of stationary stretches (standing, sitting).
@@ -62,7 +66,7 @@ impl WorkingClip {
         let floor_poses = whole.as_ref().unwrap_or(&poses);
         let skeleton = &clip.skeleton;
         let positions: Vec<c64> = poses.iter().map(|frames| plan_of(frames[0].position)).collect();
-        let contacts = foot_contacts(skeleton, &poses, floor_poses, &ContactSettings::default());
+        let (contacts, grounds) = contacts(&clip, (first, last), &poses, floor_poses);
         let overhang = f64::from(last.0 - first.0) / step - (poses.len() - 1) as f64;
         Self {
             name: name.to_owned(),
@@ -74,6 +78,7 @@ impl WorkingClip {
             stationary: stationary(&positions, &contacts, &StationarySettings::default()),
             positions,
             contacts,
+            grounds,
             clip,
         }
     }
@@ -120,6 +125,30 @@ impl WorkingClip {
         let at_nearest = self.pose(nearest as f64).rotations[0];
         self.headings[nearest] + turn_about_up(frames[0].rotation * at_nearest.inverse())
     }
+}
+
+/// What bears at each working frame of the file frames `first` to `last`, on the floor, on something higher, and as stated.
+fn contacts(
+    clip: &Clip,
+    (first, last): (SourceFrame, SourceFrame),
+    poses: &[Vec<JointFrame>],
+    floor_poses: &[Vec<JointFrame>],
+) -> (Vec<Contacts>, Vec<RaisedGround>) {
+    let settings = ContactSettings::default();
+    let mut contacts = foot_contacts(&clip.skeleton, poses, floor_poses, &settings);
+    let raised = (&RaisedSettings::default(), &settings);
+    let mut grounds = raise(&clip.skeleton, (poses, floor_poses), &mut contacts, raised);
+    let nearest = |frame: SourceFrame| {
+        let working = (f64::from(frame.0) - f64::from(first.0)) / (clip.fps * WORKING_STEP);
+        floor_index((working + 0.5).max(0.0)).min(poses.len() - 1)
+    };
+    let span = |from: SourceFrame, to: SourceFrame| {
+        (from <= last && to >= first).then(|| (nearest(from), nearest(to)))
+    };
+    let spans: Vec<_> = clip.contacts.iter().map(|own| span(own.from, own.to)).collect();
+    apply(&clip.contacts, &spans, &mut contacts);
+    grounds.retain(|ground| !clip.contacts.iter().any(|own| own.point == ground.point));
+    (contacts, grounds)
 }
 
 #[cfg(test)]

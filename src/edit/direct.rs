@@ -157,10 +157,10 @@ fn scale_row(frame: usize) -> InteriorRow {
 fn shape_row(path: &RestPath, frame: usize, settings: &SpatialSettings) -> Option<InteriorRow> {
     let spring = shape_spring(path, frame, settings)?;
     let points = &path.positions;
-    let frames = [frame - 1, frame, spring.next];
-    let (before, after) = (points[frame] - points[frame - 1], points[spring.next] - points[frame]);
+    let frames = [spring.before, frame, spring.next];
+    let (before, after) = (points[frame] - points[spring.before], points[spring.next] - points[frame]);
     if spring.free <= spring.stiffness {
-        let c = before / (points[spring.next] - points[frame - 1]);
+        let c = before / (points[spring.next] - points[spring.before]);
         let factor = (spring.stiffness / spring.free).sqrt();
         let one = c64::new(1.0, 0.0);
         return Some((frames, [(c - one) * factor, one * factor, -c * factor]));

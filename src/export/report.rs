@@ -5,8 +5,8 @@ use serde::Serialize;
 use crate::clip::Clip;
 use crate::constraint::Strength;
 use crate::discrete::outcome::Outcome;
-use crate::edit::energy::{Energy, length};
 use crate::edit::Moved;
+use crate::edit::energy::{Energy, length};
 use crate::embody::{Embodied, sample_times};
 use crate::export::changes::{ChangesReport, DiscreteReport};
 use crate::geometry::{c64, wrap};
@@ -15,7 +15,7 @@ use crate::metrics::foot_slide_at;
 use crate::object_motion::{AtRest, ObjectMotion, Owner, Performance, object_motions, skeleton_of};
 use crate::reach::{Miss, REACHED, Stage, carry_residuals, effector_residuals};
 use crate::resample::{Resampled, shown_contacts_at, time_of};
-use crate::residual::{MomentTime, Residual, largest, moment_times, residuals};
+use crate::residual::{MomentTime, Residual, largest, moment_times, residuals_of};
 use crate::scene::{Performed, Scene};
 use crate::skeleton::Pose;
 
@@ -193,7 +193,7 @@ pub struct Timing {
 /// Reports on an edit; files and times are filled in where files are written and clocks are read.
 pub fn report(embodied: &Embodied<'_>, outcome: &Outcome, resampled: &Resampled) -> Report {
     let (scene, edit) = (embodied.moved.scene, &outcome.edit);
-    let constraints = scene.constraints.iter().zip(residuals(scene, edit));
+    let constraints = scene.constraints.iter().zip(residuals_of(scene, edit, embodied));
     let moved = Moved { scene, characters: &edit.characters };
     let objects = object_motions(scene, &moved);
     let stage = Stage { scene, performance: &moved, objects: &objects };

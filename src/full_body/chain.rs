@@ -2,7 +2,7 @@
 
 use glam::{DQuat, DVec3};
 
-use crate::clip::contacts::{BodyPoint, FootPoint, foot_point};
+use crate::clip::contacts::{BodyPoint, ContactPoint, contact_point, end_of};
 use crate::index::JointId;
 use crate::limb::{Limb, minimal_rotation};
 use crate::skeleton::{JointFrame, JointRole, Pose, Skeleton};
@@ -14,7 +14,7 @@ pub struct Chain {
     pub upper: JointId,
     /// Turns the lower bone.
     pub middle: JointId,
-    /// Ankle or wrist.
+    /// Ankle or wrist; of an arm that ends without a wrist the elbow once more, and the wrist is the end.
     pub lower: JointId,
     /// The toe of a leg, where the skeleton has one; the lower joint elsewhere.
     pub end: BodyPoint,
@@ -63,8 +63,8 @@ pub fn legs(skeleton: &Skeleton) -> [Option<Chain>; 2] {
     let left = [JointRole::LeftHip, JointRole::LeftKnee, JointRole::LeftFoot];
     let right = [JointRole::RightHip, JointRole::RightKnee, JointRole::RightFoot];
     [
-        chain(skeleton, left, foot_point(skeleton, FootPoint::LeftToe)),
-        chain(skeleton, right, foot_point(skeleton, FootPoint::RightToe)),
+        chain(skeleton, left, contact_point(skeleton, ContactPoint::LeftToe)),
+        chain(skeleton, right, contact_point(skeleton, ContactPoint::RightToe)),
     ]
 }
 
@@ -73,6 +73,23 @@ pub fn arms(skeleton: &Skeleton) -> [Option<Chain>; 2] {
     let left = [JointRole::LeftShoulder, JointRole::LeftElbow, JointRole::LeftHand];
     let right = [JointRole::RightShoulder, JointRole::RightElbow, JointRole::RightHand];
     [chain(skeleton, left, None), chain(skeleton, right, None)]
+}
+
+/// The arms whose hands can bear: also those that end without a wrist, at the end of the forearm.
+pub fn bearing_arms(skeleton: &Skeleton) -> [Option<Chain>; 2] {
+    let [left, right] = arms(skeleton);
+    [
+        left.or_else(|| open_chain(skeleton, [JointRole::LeftShoulder, JointRole::LeftElbow])),
+        right.or_else(|| open_chain(skeleton, [JointRole::RightShoulder, JointRole::RightElbow])),
+    ]
+}
+
+/// The limb of two roles and the end of its second bone.
+fn open_chain(skeleton: &Skeleton, roles: [JointRole; 2]) -> Option<Chain> {
+    let [upper, middle] = roles.map(|role| skeleton.joint_of(role));
+    let (upper, middle) = (upper?, middle?);
+    let found = Chain { upper, middle, lower: middle, end: end_of(skeleton, middle)? };
+    (upper != JointId(0) && is_below(skeleton, middle, upper) && found.has_bones(skeleton)).then_some(found)
 }
 
 /// The limb of three roles, if each joint is there and below the one before, the upper one is not the root, and both bones
@@ -84,8 +101,7 @@ fn chain(skeleton: &Skeleton, roles: [JointRole; 3], end: Option<BodyPoint>) -> 
         upper != JointId(0) && is_below(skeleton, middle, upper) && is_below(skeleton, lower, middle);
     let end = end.unwrap_or(BodyPoint { joint: lower, local: DVec3::ZERO });
     let found = is_chain.then_some(Chain { upper, middle, lower, end })?;
-    let [upper, lower] = found.place(skeleton, &skeleton.rest_pose()).limb.lengths();
-    (upper.min(lower) > SHORTEST_BONE).then_some(found)
+    found.has_bones(skeleton).then_some(found)
 }
 
 /// Shorter bones bend no limb, metres.
@@ -140,17 +156,30 @@ fn frame_from(
 }
 
 impl Chain {
+    /// Whether both bones have a length.
+    fn has_bones(&self, skeleton: &Skeleton) -> bool {
+        let [upper, lower] = self.place(skeleton, &skeleton.rest_pose()).limb.lengths();
+        upper.min(lower) > SHORTEST_BONE
+    }
+
+    /// Whether it ends without a wrist.
+    pub fn is_open(&self) -> bool {
+        self.lower == self.middle
+    }
+
     /// Where the limb is in `pose`.
     pub fn place(&self, skeleton: &Skeleton, pose: &Pose) -> Place {
         let upper = world_frame(skeleton, pose, self.upper);
         let middle = frame_from(skeleton, pose, self.middle, (self.upper, &upper));
         let lower = frame_from(skeleton, pose, self.lower, (self.middle, &middle));
         let end = frame_from(skeleton, pose, self.end.joint, (self.lower, &lower));
+        let end = end.position + end.rotation * self.end.local;
+        let last = if self.is_open() { end } else { lower.position };
         Place {
-            limb: Limb { upper: upper.position, middle: middle.position, lower: lower.position },
+            limb: Limb { upper: upper.position, middle: middle.position, lower: last },
             upper_rotation: upper.rotation,
             lower_rotation: lower.rotation,
-            end: end.position + end.rotation * self.end.local,
+            end,
         }
     }
 
@@ -162,7 +191,9 @@ impl Chain {
         let lower_turn = minimal_rotation(carried, to.position - middle);
         turn_in_world(skeleton, pose, self.upper, upper_turn);
         turn_in_world(skeleton, pose, self.middle, lower_turn);
-        set_in_world(skeleton, pose, self.lower, to.rotation);
+        if !self.is_open() {
+            set_in_world(skeleton, pose, self.lower, to.rotation);
+        }
     }
 }
 

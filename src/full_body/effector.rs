@@ -3,6 +3,7 @@
 use glam::{DQuat, DVec3};
 
 use crate::full_body::chain::{Chain, EndPose, is_below, set_in_world, world_frame};
+use crate::full_body::limits::MOST_BENT;
 use crate::full_body::reach::Demand;
 use crate::index::JointId;
 use crate::skeleton::{Pose, Skeleton};
@@ -53,12 +54,13 @@ impl Effector {
         let target = self.at(at)?;
         let Some(limb) = limb else {
             let hip = world_frame(skeleton, pose, self.joint).position;
-            return Some(Demand { hip, ankle: target.position, reach: 0.0 });
+            return Some(Demand { hip, ankle: target.position, reach: 0.0, fold: 0.0 });
         };
         let end = end_pose(skeleton, limb, pose, (self.joint, target));
         let place = limb.place(skeleton, pose).limb;
         let length: f64 = place.lengths().iter().sum();
-        Some(Demand { hip: place.upper, ankle: end.position, reach: COMFORTABLE * length })
+        let fold = place.span_at(MOST_BENT).min(place.upper.distance(place.lower));
+        Some(Demand { hip: place.upper, ankle: end.position, reach: COMFORTABLE * length, fold })
     }
 
     /// How far the joint is from its target in `pose` at sample `at`, metres.

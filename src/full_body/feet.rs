@@ -1,16 +1,16 @@
-//! Feet that do not slide: the exact pass over the legs.
+//! Feet that do not slide, and hands that bear: the exact pass over the legs, and over arms whose hands are stated to bear.
 //!
 //! Source: Kovar, Schreiner & Gleicher, *Footskate Cleanup for Motion Capture Editing*, SCA 2002.
 
 use glam::DVec3;
 
-use crate::clip::contacts::FootContacts;
-use crate::full_body::aim::{bend_hint, solve};
-use crate::full_body::chain::{Chain, EndPose, Place, legs};
+use crate::clip::contacts::Contacts;
+use crate::full_body::aim::{Mobility, solve};
+use crate::full_body::chain::{Chain, EndPose, Place, bearing_arms, legs};
 use crate::full_body::fade::{Slopes, Span, fill};
 use crate::full_body::knees::soften;
 use crate::full_body::pins::{pins, spans};
-use crate::full_body::plants::{Displacement, LegTrack, bearing, plants};
+use crate::full_body::plants::{Displacement, FEET, HANDS, LegTrack, Soles, bearing, plants};
 use crate::full_body::reach::Demand;
 use crate::full_body::{BodyInput, PlantMode};
 use crate::geometry::{exp, log, smoothstep};
@@ -35,11 +35,13 @@ const OTHER_STRIDE: f64 = 0.1;
 /// A leg this near to level cannot tell how high its foot is by its length, sine.
 const NEARLY_LEVEL: f64 = 0.1;
 
-/// What is to become of one leg.
+/// What is to become of one leg, or of an arm whose hand bears.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Leg {
     /// Its joints.
     pub chain: Chain,
+    /// What of it can bear.
+    pub soles: Soles,
     /// Where it is.
     pub track: LegTrack,
     /// Displacement of the foot at each sample, from where the edit of the path carries it.
@@ -50,19 +52,22 @@ pub struct Leg {
     pub planted: [Vec<bool>; 2],
     /// How far it may stretch at each sample, metres.
     reaches: Vec<f64>,
-    /// To which side its knee bends, in the axes of the hip.
-    hint: DVec3,
+    /// To which side its knee bends, and how far its hip.
+    mobility: Mobility,
 }
 
-/// Plans both legs; those that the skeleton lacks are left out.
+/// Plans both legs, then the arms whose hands bear; those that the skeleton lacks are left out.
 pub fn plan(skeleton: &Skeleton, input: &BodyInput, mode: PlantMode) -> Vec<Leg> {
-    let sides = legs(skeleton).into_iter().enumerate();
-    sides.filter_map(|(side, chain)| Some(plan_leg(skeleton, input, mode, (side, chain?)))).collect()
+    let bears = |soles: &Soles| bearing(&input.contacts, *soles).concat().contains(&true);
+    let legs = legs(skeleton).into_iter().zip(FEET);
+    let arms = bearing_arms(skeleton).into_iter().zip(HANDS).filter(|(_, soles)| bears(soles));
+    let limbs = legs.chain(arms).filter_map(|(chain, soles)| Some((chain?, soles)));
+    limbs.map(|limb| plan_leg(skeleton, input, mode, limb)).collect()
 }
 
-fn plan_leg(skeleton: &Skeleton, input: &BodyInput, mode: PlantMode, (side, chain): (usize, Chain)) -> Leg {
+fn plan_leg(skeleton: &Skeleton, input: &BodyInput, mode: PlantMode, (chain, soles): (Chain, Soles)) -> Leg {
     let places = |poses: &[Pose]| poses.iter().map(|pose| chain.place(skeleton, pose)).collect();
-    let [heel, toe] = bearing(&input.contacts, side);
+    let [heel, toe] = bearing(&input.contacts, soles);
     let bound: Vec<bool> = heel.iter().zip(&toe).map(|(heel, toe)| *heel || *toe).collect();
     let track = LegTrack { rest: places(&input.rest), moved: places(&input.moved), heel, toe };
     let (corrections, planted) = match mode {
@@ -73,9 +78,9 @@ fn plan_leg(skeleton: &Skeleton, input: &BodyInput, mode: PlantMode, (side, chai
         }
     };
     let displacements = displacements(&input.times, &track, corrections.as_deref());
-    let hint = bend_hint(track.rest.iter());
+    let mobility = Mobility::of(skeleton, &chain, track.rest.iter());
     let reaches = reaches(&track, corrections.as_deref());
-    Leg { chain, track, displacements, bound, planted, reaches, hint }
+    Leg { chain, soles, track, displacements, bound, planted, reaches, mobility }
 }
 
 /// Displacements of the foot in its plants; none elsewhere.
@@ -115,6 +120,11 @@ fn from_to(from: &EndPose, to: &EndPose) -> Displacement {
 }
 
 impl Leg {
+    /// Whether it is an arm.
+    pub fn is_arm(&self) -> bool {
+        HANDS.contains(&self.soles)
+    }
+
     /// Has the foot at `target` at sample `at`, whatever its plants ask for.
     pub fn bind(&mut self, at: usize, target: &EndPose) {
         self.displacements[at] = from_to(&self.track.moved[at].end_pose(), target);
@@ -135,12 +145,15 @@ impl Leg {
     /// What the leg asks of the place of its hip at sample `at`.
     pub fn demand(&self, at: usize) -> Demand {
         let reach = if self.bound[at] { self.reaches[at] } else { self.swing_reach(at) };
-        Demand { hip: self.track.moved[at].limb.upper, ankle: self.target(at).position, reach }
+        Demand { hip: self.track.moved[at].limb.upper, ankle: self.target(at).position, reach, fold: 0.0 }
     }
 
     /// How far the leg may stretch while its foot is free, metres: as captured as long as the foot is not displaced far, but
-    /// not quite straight in a stride of another length.
+    /// not quite straight in a stride of another length. No body comes down for a free hand.
     fn swing_reach(&self, at: usize) -> f64 {
+        if self.is_arm() {
+            return f64::INFINITY;
+        }
         let length: f64 = self.track.rest[at].limb.lengths().iter().sum();
         let bent = STRETCH * length;
         let far = smoothstep(self.displacements[at][0].length() / OTHER_STRIDE);
@@ -167,7 +180,7 @@ impl Leg {
                 let towards = (target.position - place.limb.upper).normalize_or_zero();
                 target.position = place.limb.upper + towards * goal;
             }
-            solve(&self.chain, skeleton, pose, (&place, &target), self.hint);
+            solve(&self.chain, skeleton, pose, (&place, &target), &self.mobility);
         }
     }
 
@@ -233,16 +246,13 @@ fn lower(a: Floor, b: Floor) -> Floor {
     [a[0].min(b[0]), a[1].min(b[1])]
 }
 
-/// Which points of the feet are planted, by the legs' plans.
-pub fn planted(skeleton: &Skeleton, legs: &[Leg], contacts: &[FootContacts]) -> Vec<FootContacts> {
+/// Which points of the feet and hands are planted, by the plans of their limbs.
+pub fn planted(legs: &[Leg], contacts: &[Contacts]) -> Vec<Contacts> {
     let mut planted = contacts.to_vec();
-    let sides = self::legs(skeleton).into_iter().enumerate().filter(|(_, chain)| chain.is_some());
-    for ((side, _), leg) in sides.zip(legs) {
-        let points = crate::full_body::plants::points(side);
-        for (point, labels) in points.into_iter().zip(&leg.planted) {
-            for (contact, label) in planted.iter_mut().zip(labels) {
-                contact.set(point, *label);
-            }
+    for leg in legs {
+        for (sole, labels) in leg.soles.into_iter().zip(&leg.planted) {
+            let Some(point) = sole else { continue };
+            planted.iter_mut().zip(labels).for_each(|(contact, label)| contact.set(point, *label));
         }
     }
     planted

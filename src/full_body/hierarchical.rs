@@ -5,7 +5,7 @@
 
 use glam::DVec3;
 
-use crate::full_body::aim::{bend_hint, solve};
+use crate::full_body::aim::{Mobility, solve};
 use crate::full_body::chain::{Chain, Place};
 use crate::full_body::displacement::{Sample, Spline};
 use crate::full_body::effector::{Effector, end_pose};
@@ -57,8 +57,8 @@ pub fn bring(skeleton: &Skeleton, times: &[f64], limb: &Chain, effectors: &[&Eff
         return;
     }
     let places: Vec<Place> = poses.iter().map(|pose| limb.place(skeleton, pose)).collect();
-    let hint = bend_hint(places.iter());
-    let task = Task { skeleton, limb, effectors, hint };
+    let mobility = Mobility::of(skeleton, limb, places.iter());
+    let task = Task { skeleton, limb, effectors, mobility };
     for spacing in KNOTS {
         if constrained.iter().all(|&at| task.distance(&poses[at], at) < CLOSE) {
             break;
@@ -87,7 +87,7 @@ struct Task<'a> {
     skeleton: &'a Skeleton,
     limb: &'a Chain,
     effectors: &'a [&'a Effector],
-    hint: DVec3,
+    mobility: Mobility,
 }
 
 impl Task<'_> {
@@ -107,7 +107,7 @@ impl Task<'_> {
         let target = end_pose(self.skeleton, self.limb, pose, end);
         let place = self.limb.place(self.skeleton, pose);
         let mut solved = pose.clone();
-        solve(self.limb, self.skeleton, &mut solved, (&place, &target), self.hint);
+        solve(self.limb, self.skeleton, &mut solved, (&place, &target), &self.mobility);
         self.joints().map(|joint| log(pose.rotations[joint].inverse() * solved.rotations[joint]))
     }
 

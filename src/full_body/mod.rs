@@ -2,8 +2,8 @@
 //!
 //! An edit moves and turns the root, joint angles stay: feet slide, hands miss. [`refine`] puts that right. Feet that bear
 //! stand as captured, on ground that moves as a whole with the edit; between, their displacement goes over from one plant
-//! to the next. Where legs do not reach, the body comes down, smoothly. Hands go where they must by hierarchical
-//! displacements. What an edit does not touch comes out bit for bit as it went in.
+//! to the next. So do hands that are stated to bear. Where limbs do not reach, the body comes down, smoothly. Hands go
+//! where else they must by hierarchical displacements. What an edit does not touch comes out bit for bit as it went in.
 //!
 //! Sources: Kovar, Schreiner & Gleicher, *Footskate Cleanup for Motion Capture Editing*, SCA 2002; Lee & Shin, *A
 //! Hierarchical Approach to Interactive Motion Editing for Human-like Figures*, SIGGRAPH 1999.
@@ -11,6 +11,7 @@
 pub mod displacement;
 pub mod smooth;
 pub mod chain;
+pub mod limits;
 pub mod aim;
 pub mod fade;
 pub mod plants;
@@ -26,14 +27,14 @@ mod tests;
 
 use glam::DVec3;
 
-use crate::clip::contacts::FootContacts;
+use crate::clip::contacts::Contacts;
 use crate::full_body::chain::{Chain, arms};
 use crate::full_body::displacement::Sample;
 pub use crate::full_body::effector::{Effector, Target};
 use crate::full_body::feet::{FADE, Leg};
 use crate::full_body::hierarchical::{CLOSE, KNOTS, blended, bring, level, sample};
 use crate::full_body::reach::{Demand, drops, within_reach};
-pub use crate::full_body::report::{BodyReport, FootPlant, JointChange, Shortfall};
+pub use crate::full_body::report::{BodyReport, JointChange, PlantedPoint, Shortfall};
 use crate::skeleton::{Pose, Skeleton};
 
 /// One character at successive moments: output frames, and constrained moments between them.
@@ -45,8 +46,8 @@ pub struct BodyInput {
     pub rest: Vec<Pose>,
     /// With the root where the edit has it.
     pub moved: Vec<Pose>,
-    /// Which points of the feet bear.
-    pub contacts: Vec<FootContacts>,
+    /// Which points of the feet and hands bear.
+    pub contacts: Vec<Contacts>,
     /// Ends of the body that must be somewhere.
     pub effectors: Vec<Effector>,
 }
@@ -66,8 +67,8 @@ pub enum PlantMode {
 pub struct Refined {
     /// One a moment.
     pub poses: Vec<Pose>,
-    /// Which points of the feet are planted: the contacts, and of these only what stands in [`PlantMode::Pinned`].
-    pub planted: Vec<FootContacts>,
+    /// Which points of the feet and hands are planted: the contacts, and of these only what stands in [`PlantMode::Pinned`].
+    pub planted: Vec<Contacts>,
     /// What was done, and what could not be.
     pub report: BodyReport,
 }
@@ -94,22 +95,24 @@ pub fn refine(skeleton: &Skeleton, input: &BodyInput, mode: PlantMode) -> Refine
         leg.solve(skeleton, &input.times, &shifts, &mut poses);
     }
     let limbs: Vec<Chain> = arms(skeleton).into_iter().flatten().collect();
-    for limb in &limbs {
+    for limb in limbs.iter().filter(|limb| !legs.iter().any(|leg| leg.chain == **limb)) {
         let of_limb = |end: &&Effector| end.limb(skeleton, &limbs) == Some(limb);
         let effectors: Vec<&Effector> = input.effectors.iter().filter(of_limb).collect();
         bring(skeleton, &input.times, limb, &effectors, &mut poses);
     }
     orient_others(skeleton, input, (&limbs, &legs), &mut poses);
-    let planted = feet::planted(skeleton, &legs, &input.contacts);
+    let planted = feet::planted(&legs, &input.contacts);
     let report = report::report(skeleton, input, (&legs, &planted), &poses);
     Refined { poses, planted, report }
 }
 
-/// Effectors on feet go before their plants.
+/// Effectors on feet, and on hands that bear elsewhere in time, go before their plants.
 fn bind_feet(skeleton: &Skeleton, input: &BodyInput, legs: &mut [Leg]) {
     for leg in legs {
         let chain = leg.chain;
-        for end in input.effectors.iter().filter(|end| end.limb(skeleton, &[chain]).is_some()) {
+        let is_own = |end: &&Effector| !chain.is_open() && end.limb(skeleton, &[chain]).is_some();
+        let ends: Vec<&Effector> = input.effectors.iter().filter(is_own).collect();
+        for end in ends {
             for (place, target) in end.targets.iter().enumerate() {
                 let at = end.first + place;
                 let foot = effector::end_pose(skeleton, &chain, &input.moved[at], (end.joint, target));
@@ -185,7 +188,8 @@ fn lowered(times: &[f64], feet: &[Vec<Demand>], pulled: &[DVec3]) -> Vec<DVec3> 
 /// What the effectors that are on no leg ask of the body, by sample; samples without any are left out.
 fn other_demands(skeleton: &Skeleton, input: &BodyInput, legs: &[Leg]) -> Vec<(usize, Vec<Demand>)> {
     let limbs: Vec<Chain> = arms(skeleton).into_iter().flatten().collect();
-    let on_leg = |end: &Effector| legs.iter().any(|leg| end.limb(skeleton, &[leg.chain]).is_some());
+    let feet = || legs.iter().filter(|leg| !leg.is_arm());
+    let on_leg = |end: &Effector| feet().any(|leg| end.limb(skeleton, &[leg.chain]).is_some());
     let ends: Vec<&Effector> = input.effectors.iter().filter(|end| !on_leg(end)).collect();
     let demands = |at: usize| -> Vec<Demand> {
         ends.iter()

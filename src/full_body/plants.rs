@@ -1,14 +1,14 @@
-//! Plants: stretches in which a foot bears, and where it is to stand in each.
+//! Plants: stretches in which a foot (or a hand) bears, and where it is to stand in each.
 
 use glam::{DQuat, DVec3};
 
-use crate::clip::contacts::{FootContacts, FootPoint, runs};
+use crate::clip::contacts::{ContactPoint, Contacts, runs};
 use crate::clip::facing::turn_about_up;
 use crate::full_body::chain::{EndPose, Place};
 use crate::full_body::fade::Span;
 use crate::geometry::{RigidMotion, c64, cis, plan_of, yaw};
 
-/// One leg along the samples.
+/// One leg along the samples, or an arm, whose hand is like a heel.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LegTrack {
     /// Where it is as captured, before the edit.
@@ -43,18 +43,22 @@ impl Plant {
     }
 }
 
-/// Heel and toe of one side: 0 the left, 1 the right.
-pub const fn points(side: usize) -> [FootPoint; 2] {
-    if side == 0 {
-        [FootPoint::LeftHeel, FootPoint::LeftToe]
-    } else {
-        [FootPoint::RightHeel, FootPoint::RightToe]
-    }
-}
+/// What bears on a limb: its lower joint (a heel or a hand), and its end (a toe).
+pub type Soles = [Option<ContactPoint>; 2];
 
-/// When the heel and the toe of one side bear.
-pub fn bearing(contacts: &[FootContacts], side: usize) -> [Vec<bool>; 2] {
-    points(side).map(|point| contacts.iter().map(|contact| contact.at(point)).collect())
+/// Of the legs, left and right.
+pub const FEET: [Soles; 2] = [
+    [Some(ContactPoint::LeftHeel), Some(ContactPoint::LeftToe)],
+    [Some(ContactPoint::RightHeel), Some(ContactPoint::RightToe)],
+];
+
+/// Of the arms, left and right.
+pub const HANDS: [Soles; 2] = [[Some(ContactPoint::LeftHand), None], [Some(ContactPoint::RightHand), None]];
+
+/// When the lower joint and the end of a limb bear.
+pub fn bearing(contacts: &[Contacts], soles: Soles) -> [Vec<bool>; 2] {
+    let bears = |sole: Option<ContactPoint>, contact: &Contacts| sole.is_some_and(|point| contact.at(point));
+    soles.map(|sole| contacts.iter().map(|contact| bears(sole, contact)).collect())
 }
 
 /// The plants of a leg, in the order of time: one for each stretch in which heel or toe bear.

@@ -16,6 +16,8 @@ pub struct Demand {
     pub ankle: DVec3,
     /// How far it may stretch.
     pub reach: f64,
+    /// How far it folds: nearer the lower joint does not come. Below `reach`.
+    pub fold: f64,
 }
 
 /// Legs do not spread flatter than this, height of the hip over the ankle as a share of the reach.
@@ -41,10 +43,11 @@ impl Demand {
     fn missing(&self, shift: DVec3) -> DVec3 {
         let to_target = self.ankle - self.hip - shift;
         let distance = to_target.length();
-        if distance <= self.reach * (1.0 + ROUNDING) {
+        let wanted = distance.min(self.reach).max(self.fold);
+        if (distance - wanted).abs() <= self.reach * ROUNDING || distance == 0.0 {
             return DVec3::ZERO;
         }
-        to_target * ((distance - self.reach) / distance)
+        to_target * ((distance - wanted) / distance)
     }
 }
 
@@ -85,7 +88,7 @@ mod tests {
     const CONVERGED: f64 = 1e-6;
 
     fn demand(hip: DVec3, ankle: DVec3, reach: f64) -> Demand {
-        Demand { hip, ankle, reach }
+        Demand { hip, ankle, reach, fold: 0.0 }
     }
 
     #[test]
@@ -115,5 +118,8 @@ mod tests {
             assert!(distance < demand.reach + CONVERGED, "{distance} of {}", demand.reach);
         }
         assert_eq!(within_reach(&demands[1..], DVec3::ZERO), DVec3::ZERO);
+        // Too near for an arm that folds to 0.12 m: the shoulder gives way, straight back.
+        let near = Demand { fold: 0.12, ..demand(DVec3::Y, DVec3::Y + DVec3::X * 0.08, 0.55) };
+        assert!((within_reach(&[near], DVec3::ZERO) - DVec3::X * -0.04).length() < CONVERGED);
     }
 }

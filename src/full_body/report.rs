@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use crate::clip::contacts::{FootContacts, FootPoint, foot_point, runs};
+use crate::clip::contacts::{ContactPoint, Contacts, contact_point, runs};
 use crate::full_body::BodyInput;
 use crate::full_body::chain::world_frame;
 use crate::full_body::feet::Leg;
@@ -21,8 +21,8 @@ pub struct BodyReport {
     pub root_drop: f64,
     /// Largest change of a joint's angle; `None` where none changed.
     pub largest_change: Option<JointChange>,
-    /// Every contact of a point of a foot.
-    pub plants: Vec<FootPlant>,
+    /// Every contact of a point of a foot, and of a hand.
+    pub plants: Vec<PlantedPoint>,
 }
 
 /// A joint that does not get where it must be.
@@ -47,11 +47,11 @@ pub struct JointChange {
     pub angle: f64,
 }
 
-/// A point of a foot while it is planted.
+/// A point of a foot, or a hand, while it is planted.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct FootPlant {
+pub struct PlantedPoint {
     /// Which point.
-    pub point: FootPoint,
+    pub point: ContactPoint,
     /// First sample.
     pub first: usize,
     /// Last sample.
@@ -69,7 +69,7 @@ pub const TOLERATED: f64 = 1e-3;
 pub(super) fn report(
     skeleton: &Skeleton,
     input: &BodyInput,
-    (legs, planted): (&[Leg], &[FootContacts]),
+    (legs, planted): (&[Leg], &[Contacts]),
     poses: &[Pose],
 ) -> BodyReport {
     let shifts = || poses.iter().zip(&input.moved).map(|(pose, moved)| pose.root - moved.root);
@@ -87,7 +87,7 @@ fn shortfalls(skeleton: &Skeleton, input: &BodyInput, legs: &[Leg], poses: &[Pos
     for leg in legs {
         let joint = leg.chain.lower;
         let missing = |at: usize| {
-            let place = world_frame(skeleton, &poses[at], joint).position;
+            let place = leg.chain.place(skeleton, &poses[at]).limb.lower;
             if leg.bound[at] { place.distance(leg.target(at).position) } else { 0.0 }
         };
         push_worst(&mut found, joint, 0, (0..poses.len()).map(missing).collect());
@@ -126,10 +126,10 @@ fn largest_change(before: &[Pose], after: &[Pose]) -> Option<JointChange> {
     largest
 }
 
-fn plants(skeleton: &Skeleton, rest: &[Pose], planted: &[FootContacts], poses: &[Pose]) -> Vec<FootPlant> {
+fn plants(skeleton: &Skeleton, rest: &[Pose], planted: &[Contacts], poses: &[Pose]) -> Vec<PlantedPoint> {
     let mut found = Vec::new();
-    for point in FootPoint::ALL {
-        let Some(at) = foot_point(skeleton, point) else {
+    for point in ContactPoint::ALL {
+        let Some(at) = contact_point(skeleton, point) else {
             continue;
         };
         let labels: Vec<bool> = planted.iter().map(|contact| contact.at(point)).collect();
@@ -140,7 +140,7 @@ fn plants(skeleton: &Skeleton, rest: &[Pose], planted: &[FootContacts], poses: &
         for (first, last) in runs(&labels) {
             let drift = |poses: &[Pose]| drift(poses[first..=last].iter().map(place).collect());
             let (captured_drift, drift) = (drift(rest), drift(poses));
-            found.push(FootPlant { point, first, last, captured_drift, drift });
+            found.push(PlantedPoint { point, first, last, captured_drift, drift });
         }
     }
     found

@@ -250,7 +250,7 @@ proptest! {
             pose.rotations[0] = yaw(turn * at as f64) * pose.rotations[0];
         }
         for (contact, label) in input.contacts.iter_mut().zip(&labels) {
-            for (bit, point) in crate::clip::contacts::FootPoint::ALL.into_iter().enumerate() {
+            for (bit, point) in crate::clip::contacts::ContactPoint::FEET.into_iter().enumerate() {
                 contact.set(point, label & (1 << bit) != 0);
             }
         }

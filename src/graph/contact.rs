@@ -1,23 +1,23 @@
 //! Whether two frames stand on the same feet.
 
-use crate::clip::contacts::FootContacts;
+use crate::clip::contacts::Contacts;
 
 /// When each foot bears: left, right.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub(super) struct Contacts(pub Vec<[bool; 2]>);
+pub(super) struct Feet(pub Vec<[bool; 2]>);
 
-impl Contacts {
+impl Feet {
     /// A foot bears where its heel or its toe does.
-    pub(super) fn new(contacts: &[FootContacts]) -> Self {
-        Self(contacts.iter().map(|c| [c.left_heel || c.left_toe, c.right_heel || c.right_toe]).collect())
+    pub(super) fn new(contacts: &[Contacts]) -> Self {
+        Self(contacts.iter().map(|contacts| [contacts.left_foot(), contacts.right_foot()]).collect())
     }
 
     /// Whether both feet do the same at frame `i` of one clip and frame `j` of another, give or take `tolerance` frames:
     /// strikes are found to a frame or so.
     pub(super) fn agree(&self, i: usize, other: &Self, j: usize, tolerance: usize) -> bool {
-        let near = |contacts: &Self, frame: usize, foot: usize, bears: bool| {
-            let end = (frame + tolerance + 1).min(contacts.0.len());
-            contacts.0[frame.saturating_sub(tolerance)..end].iter().any(|feet| feet[foot] == bears)
+        let near = |feet: &Self, frame: usize, foot: usize, bears: bool| {
+            let end = (frame + tolerance + 1).min(feet.0.len());
+            feet.0[frame.saturating_sub(tolerance)..end].iter().any(|both| both[foot] == bears)
         };
         (0..2).all(|foot| near(other, j, foot, self.0[i][foot]) && near(self, i, foot, other.0[j][foot]))
     }
@@ -29,7 +29,7 @@ mod tests {
 
     #[test]
     fn a_strike_may_be_a_frame_off_and_no_more() {
-        let strikes = |at: usize| Contacts((0..10).map(|frame| [frame >= at, true]).collect());
+        let strikes = |at: usize| Feet((0..10).map(|frame| [frame >= at, true]).collect());
         for (off, agrees) in [(0, true), (1, true), (2, false)] {
             assert_eq!(strikes(5).agree(5, &strikes(5 + off), 5, 1), agrees, "{off} frames off");
             assert_eq!(

@@ -8,8 +8,9 @@
 //!
 //! # Cost
 //! The distance matrix of n frames of one body is a matrix product, `n²/2` entries of about 90 features, in tiles and in
-//! parallel; it is never held. Memory is 2 kB a frame for features, and 40 bytes for each pair that is kept, of which there are
-//! about n²/400 in steady walks and n²/100 where somebody stands all the time. Bench `graph` has the times.
+//! parallel; it is never held. Memory is 2 kB a frame for features, and 40 bytes for each pair that is kept: of all captures tried,
+//! walking and standing, at most n²/400. (A single pose held without any motion has n²/25.) 100 000 frames of one body take
+//! 20 to 40 s of processor time and up to 1.2 GB; bench `graph`, and `docs/motion_graph.md`, have more.
 //!
 //! Source: Kim et al. 2009, §5.1, after Lee et al., *Interactive Control of Avatars Animated with Human Motion Data*, SIGGRAPH
 //! 2002 (contact agreement, local maxima) and Lee & Lee, *Precomputing Avatar Behavior from Human Motion Data*, 2006 (features).
@@ -31,7 +32,7 @@ use std::sync::Arc;
 
 use rayon::prelude::*;
 
-use self::contact::Contacts;
+use self::contact::Feet;
 use self::matrix::Factors;
 use self::search::{Block, Side, TILE};
 use crate::clip::working::WorkingClip;
@@ -166,7 +167,7 @@ pub fn material(clips: &[Arc<WorkingClip>]) -> Material {
     let side = |(features, clip): (Features, &Arc<WorkingClip>)| Side {
         factors: Factors::new(&features),
         features,
-        contacts: Contacts::new(&clip.contacts),
+        feet: Feet::new(&clip.contacts),
     };
     Material { sides: all.into_iter().zip(clips).map(side).collect(), bodies, admissible }
 }
@@ -224,7 +225,7 @@ fn graph_clips(material: &Material) -> Vec<GraphClip> {
     let sides = material.sides.iter().zip(&material.bodies);
     sides
         .map(|(side, body)| {
-            let frames = side.contacts.0.len();
+            let frames = side.feet.0.len();
             let clip = GraphClip { first: GraphFrame::from_usize(first), frames, body: *body };
             first += frames;
             clip

@@ -5,7 +5,7 @@ use std::ops::Range;
 use cotillion_solvers::DMatrix;
 use rayon::prelude::*;
 
-use super::contact::Contacts;
+use super::contact::Feet;
 use super::matrix::Factors;
 use super::thinning::{Pair, Thinning};
 use super::{GraphSettings, Maxima};
@@ -20,8 +20,8 @@ pub(super) struct Side {
     pub features: Features,
     /// The same, ready for products.
     pub factors: Factors,
-    /// Its contacts.
-    pub contacts: Contacts,
+    /// When its feet bear.
+    pub feet: Feet,
 }
 
 /// Distance matrix of two clips of one body, or of a clip with itself.
@@ -150,12 +150,7 @@ impl Tile<'_> {
             })
         };
         let is_kept = exact < block.largest_sq
-            && block.rows.contacts.agree(
-                row,
-                &block.columns.contacts,
-                column,
-                block.settings.contact_tolerance,
-            )
+            && block.rows.feet.agree(row, &block.columns.feet, column, block.settings.contact_tolerance)
             && !steps.iter().any(is_beaten);
         is_kept.then(|| Pair { row, column, distance: exact.sqrt() })
     }

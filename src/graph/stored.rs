@@ -41,9 +41,9 @@ impl GraphKey {
         for (side, body) in material.sides.iter().zip(&material.bodies) {
             add(*body as u64);
             add(side.features.width as u64);
-            add(side.contacts.0.len() as u64);
+            add(side.feet.0.len() as u64);
             side.features.values.iter().for_each(|value| add(value.to_bits()));
-            side.contacts.0.iter().for_each(|[left, right]| add(u64::from(*left) + 2 * u64::from(*right)));
+            side.feet.0.iter().for_each(|[left, right]| add(u64::from(*left) + 2 * u64::from(*right)));
         }
         Self(hash.finalize().into())
     }

@@ -1,5 +1,7 @@
 //! Of many pairs of frames along the ridges of similarity, a few that are spaced evenly.
 
+use crate::index::floor_index;
+
 /// A pair of frames that is more alike than its neighbours.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Pair {
@@ -104,12 +106,6 @@ fn excluded() -> impl Iterator<Item = (isize, isize)> {
 }
 
 /// Order in which pairs are visited.
-fn key(pair: &Pair) -> (u64, usize, usize) {
-    #[expect(
-        clippy::cast_possible_truncation,
-        clippy::cast_sign_loss,
-        reason = "distances are small and not negative"
-    )]
-    let steps = (pair.distance / EQUAL).round() as u64;
-    (steps, pair.row, pair.column)
+fn key(pair: &Pair) -> (usize, usize, usize) {
+    (floor_index((pair.distance / EQUAL).round()), pair.row, pair.column)
 }

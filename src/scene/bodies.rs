@@ -11,6 +11,7 @@ use crate::scene::moment::{Entry, Member};
 use crate::scene::raw;
 use crate::scene::report::{At, Report};
 use crate::scene::suggest;
+use crate::skeleton::Skeleton;
 
 /// What to do about joints that correspond to none.
 const ROLES_HELP: &str =
@@ -34,8 +35,8 @@ impl<'a> Bodies<'a> {
         Self { clips, made: BTreeMap::new() }
     }
 
-    /// Gives the clips on somebody's track one body: of the clip that `skeleton` names, else of the first. Joints that
-    /// nothing corresponds to are warned of. Cost: linear in frames of the clips that change bodies.
+    /// Gives the clips on somebody's track one body: of the clip that `skeleton` names, else of the first. Parts of
+    /// the body that nothing corresponds to are warned of. Cost: linear in frames of the clips that change bodies.
     pub fn embody(
         &mut self,
         character: &raw::Character,
@@ -98,7 +99,7 @@ impl<'a> Bodies<'a> {
         match retarget(&from.clip, &onto.clip) {
             Ok((made, joints)) => {
                 let performed = Performed { clip, body, joints };
-                if let Some(message) = lost(&performed) {
+                if let Some(message) = lost(&performed, &onto.clip.skeleton) {
                     report.warn(&name.place, message, ROLES_HELP);
                 }
                 let working = WorkingClip::new(&from.name, Arc::new(made), from.first, from.last);
@@ -113,19 +114,50 @@ impl<'a> Bodies<'a> {
     }
 }
 
-/// What is lost; `None` if nothing is.
-fn lost(Performed { clip, body, joints }: &Performed) -> Option<String> {
-    let list = |names: &[String]| suggest::list(&names.iter().map(String::as_str).collect::<Vec<_>>());
+/// What is lost; `None` if nothing is. Fingers and helpers of the body that the clip does not move are no loss.
+fn lost(Performed { clip, body, joints }: &Performed, skeleton: &Skeleton) -> Option<String> {
+    let unused: Vec<&str> = joints.unused.iter().map(String::as_str).collect();
+    let has_role = |name: &&str| {
+        let joint = skeleton.joint_named(name);
+        joint.is_some_and(|joint| skeleton.joints[joint.as_usize()].role.is_some())
+    };
+    let at_rest: Vec<&str> = joints.at_rest.iter().map(String::as_str).filter(has_role).collect();
     let mut parts = Vec::new();
-    if !joints.unused.is_empty() {
-        parts.push(format!("it has no joints for {}", list(&joints.unused)));
+    if !unused.is_empty() {
+        parts.push(format!("it has no joints for {}", suggest::list(&unused)));
     }
-    if !joints.at_rest.is_empty() {
-        parts.push(format!("its {} stay at rest", list(&joints.at_rest)));
+    if !at_rest.is_empty() {
+        parts.push(format!("its {} stay at rest", suggest::list(&at_rest)));
     }
     if joints.shortfall >= NOTABLE_SHORTFALL {
         parts.push(format!("its legs fall {:.3} m short", joints.shortfall));
     }
     let what = parts.join("; ");
     (!parts.is_empty()).then(|| format!("\"{clip}\" is performed by the body of \"{body}\": {what}"))
+}
+
+#[cfg(test)]
+mod tests {
+    use std::collections::BTreeMap;
+
+    use super::*;
+    use crate::clip::builtin::generate;
+    use crate::clip::retarget::RetargetReport;
+    use crate::skeleton::{Joint, JointRole};
+
+    #[test]
+    fn fingers_that_a_clip_does_not_move_are_no_loss_but_hands_are() {
+        let mut skeleton = (*generate("idle", &BTreeMap::new()).expect("it is generated").skeleton).clone();
+        let hand = skeleton.joint_of(JointRole::LeftHand).expect("bodies have hands");
+        let hand = skeleton.joints[hand.as_usize()].clone();
+        skeleton.joints.push(Joint { name: "thumb".to_owned(), role: None, ..hand.clone() });
+        let told = |at_rest: &[&str]| {
+            let at_rest = at_rest.iter().map(ToString::to_string).collect();
+            let joints = RetargetReport { at_rest, ..RetargetReport::default() };
+            lost(&Performed { clip: "idle".to_owned(), body: "b".to_owned(), joints }, &skeleton)
+        };
+        assert_eq!(told(&["thumb"]), None);
+        let message = told(&["thumb", &hand.name]).expect("a hand is lost");
+        assert!(message.contains(&hand.name) && !message.contains("thumb"), "{message}");
+    }
 }

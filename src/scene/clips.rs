@@ -13,6 +13,7 @@ use crate::clip::read::{self, ReadOptions};
 use crate::clip::working::{WORKING_STEP, WorkingClip};
 use crate::clip::{Clip, builtin};
 use crate::index::SourceFrame;
+use crate::scene::annotations::annotations;
 use crate::scene::moment::{Entry, SEPARATORS};
 use crate::scene::raw;
 use crate::scene::report::{At, Place, Report};
@@ -233,18 +234,22 @@ const NOTE_HELP: &str = "settle it in the clip's table, or leave it if it is rig
 
 /// The clip as its tracks use it: range and named frames.
 fn entry(name: &str, declared: &At<raw::Clip>, read: Option<&Read>, report: &mut Report) -> Entry {
-    let (frames, events) = match &declared.value {
-        raw::Clip::Source(_) | raw::Clip::Spoiled => (&Field::Absent, &Field::Absent),
-        raw::Clip::File(file) => (&file.frames, &file.events),
-        raw::Clip::Builtin(builtin) => (&builtin.frames, &builtin.events),
+    let (frames, events, contacts) = match &declared.value {
+        raw::Clip::Source(_) | raw::Clip::Spoiled => (&Field::Absent, &Field::Absent, &Field::Absent),
+        raw::Clip::File(file) => (&file.frames, &file.events, &file.contacts),
+        raw::Clip::Builtin(builtin) => (&builtin.frames, &builtin.events, &builtin.contacts),
     };
     check_event_names(events, report);
     let Some(Read { clip, notes }) = read else {
         return Entry { name: name.to_owned(), clip: None, events: Arc::default() };
     };
+    let range = range(clip, frames, &declared.place, report);
     let settled = matches!(frames, Field::Given(_));
-    let notes: Vec<&ReadNote> =
-        notes.iter().filter(|note| !settled || !note.is_settled_by_frames()).collect();
+    let is_open = |note: &&ReadNote| {
+        let is_outside = range.is_some_and(|(first, last)| note.is_outside(first, last));
+        !(is_outside || settled && note.is_settled_by_frames())
+    };
+    let notes: Vec<&ReadNote> = notes.iter().filter(is_open).collect();
     let strict = match &declared.value {
         raw::Clip::File(file) => file.strict.given().filter(|strict| strict.value),
         _ => None,
@@ -257,13 +262,20 @@ fn entry(name: &str, declared: &At<raw::Clip>, read: Option<&Read>, report: &mut
             report.warn(&declared.place, format!("clip \"{name}\": {note}"), NOTE_HELP);
         }
     }
-    let range = range(clip, frames, &declared.place, report);
     let mut named = clip.events.clone();
     if let Some(events) = events.value() {
         named.extend(events.0.iter().map(|(event, frame)| (event.clone(), SourceFrame(frame.value))));
         check_events(events, range, report);
     }
-    let working = range.map(|(first, last)| WorkingClip::new(name, Arc::clone(clip), first, last));
+    let working = range.map(|(first, last)| {
+        let stated = annotations(contacts, clip, (first, last), report);
+        let clip = if stated.is_empty() {
+            Arc::clone(clip)
+        } else {
+            Arc::new(Clip { contacts: [clip.contacts.clone(), stated].concat(), ..Clip::clone(clip) })
+        };
+        WorkingClip::new(name, clip, first, last)
+    });
     if let Some(note) = working.as_ref().and_then(doubtful_fall) {
         report.warn(&declared.place, format!("clip \"{name}\": {note}"), NOTE_HELP);
     }

@@ -19,7 +19,7 @@ const NEAR: f64 = 30.0;
 
 /// How to write a target.
 const TARGETS: &str = "write { position = [x, y, z] }, { object = \"NAME\", point = [x, y, z] }, \
-                       or { character = \"NAME\", joint = \"ROLE\", at = \"MOMENT\" }";
+                       or { character = \"NAME\", joint = \"ROLE\", point = [x, y, z], at = \"MOMENT\" }";
 
 impl Checker<'_> {
     /// Checks one `[[end_effector]]`, the `index`-th.
@@ -97,14 +97,15 @@ impl Checker<'_> {
     fn strays(&mut self, raw: &things::Target) {
         let mut stray = |place: Option<&Place>, key: &str, owner: &str, owned: bool| {
             if let (Some(place), false) = (place, owned) {
-                let message = format!("\"{key}\" goes with \"{owner}\"");
+                let message = format!("\"{key}\" goes with {owner}");
                 self.report.fault(place, message, TARGETS);
             }
         };
         let (object, character) = (!raw.object.is_absent(), !raw.character.is_absent());
-        stray(raw.point.given().map(|at| &at.place), "point", "object", object);
-        stray(raw.joint.given().map(|at| &at.place), "joint", "character", character);
-        stray(raw.at.given().map(|at| &at.place), "at", "character", character);
+        let both = "\"object\" and \"character\"";
+        stray(raw.point.given().map(|at| &at.place), "point", both, object || character);
+        stray(raw.joint.given().map(|at| &at.place), "joint", "\"character\"", character);
+        stray(raw.at.given().map(|at| &at.place), "at", "\"character\"", character);
     }
 
     fn world_point(&mut self, point: &At<Triple<f64>>) -> Option<DVec3> {
@@ -132,7 +133,8 @@ impl Checker<'_> {
             let message = format!("\"{0}\" cannot reach a joint of \"{0}\"", name.value);
             self.report.fault(&name.place, message, "name somebody else, a point of the world, or an object");
         }
-        Some(EffectorTarget::Joint { character, joint: joint?, when: partner })
+        let point = raw.point.given().and_then(|point| self.world_point(point)).unwrap_or_default();
+        Some(EffectorTarget::Joint { character, joint: joint?, point, when: partner })
     }
 
     /// The moment or interval of the character whose joint is reached.

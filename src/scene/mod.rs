@@ -1,5 +1,6 @@
 //! A choreography: who performs what, and what must hold. A sound [`Scene`] never panics later.
 
+pub mod annotations;
 pub mod bodies;
 pub mod check;
 pub mod checker;

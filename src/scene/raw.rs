@@ -107,6 +107,8 @@ table! {
             frames: Pair<u32>,
             /// Named frames: the file's own, from 0.
             events: Named<u32>,
+            /// Contacts of hands, which are not found, and of feet in place of those that are.
+            contacts: Tables<Contact>,
             /// Frames per second, where the file is wrong about it.
             #[schemars(range(max = 1000))]
             fps: f64,
@@ -126,6 +128,21 @@ table! {
     }
 }
 
+table! {
+    /// When a hand or foot bears.
+    Contact {
+        required {
+            /// A role (left_hand, right_foot, left_toe; a foot is its heel), or a joint by its name in the file.
+            joint: String,
+            /// First frame: the file's own, from 0.
+            from: u32,
+            /// Last frame, included.
+            to: u32,
+        }
+        optional {}
+    }
+}
+
 /// A generated clip; every further key is a parameter of it.
 #[derive(Clone, Debug, JsonSchema)]
 pub struct BuiltinClip {
@@ -137,6 +154,9 @@ pub struct BuiltinClip {
     /// Named frames, from 0, besides its own.
     #[schemars(default)]
     pub events: Field<Named<u32>>,
+    /// Contacts of hands, which are not found, and of feet in place of those that are.
+    #[schemars(default)]
+    pub contacts: Field<Tables<Contact>>,
     /// Parameters of the generated clip.
     #[schemars(flatten, with = "BTreeMap<String, f64>")]
     pub parameters: BTreeMap<String, At<f64>>,
@@ -149,6 +169,7 @@ impl Read for BuiltinClip {
             builtin: keys.required("builtin"),
             frames: keys.optional("frames"),
             events: keys.optional("events"),
+            contacts: keys.optional("contacts"),
             parameters: keys.remaining(),
         })
     }

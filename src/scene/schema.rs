@@ -87,6 +87,7 @@ mod tests {
     fn schema_and_reader_know_the_same_keys() {
         agree::<raw::Scene>();
         agree::<raw::FileClip>();
+        agree::<raw::Contact>();
         agree::<raw::Character>();
         agree::<things::Object>();
         agree::<raw::Pin>();

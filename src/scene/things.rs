@@ -103,7 +103,8 @@ table! {
             position: Triple<f64>,
             /// The object.
             object: String,
-            /// In the object's axes, metres ahead, up, to the right, from the middle of its base.
+            /// In the object's axes, metres ahead, up, to the right, from the middle of its base; or from the joint, in the
+            /// joint's axes (0 if left out): a place on the body.
             point: Triple<f64>,
         }
     }

@@ -1,6 +1,6 @@
 //! Seams: how a run is laid onto the one before it, and how the poses on both sides are blended.
 
-use crate::clip::contacts::{FootPoint, foot_point};
+use crate::clip::contacts::{ContactPoint, contact_point};
 use crate::clip::working::{WORKING_STEP, WorkingClip};
 use crate::geometry::{RigidMotion, c64, exp, log, plan_of, smoothstep, wrap, yaw};
 use crate::skeleton::Pose;
@@ -156,8 +156,8 @@ fn standing_fit((a, at): (&WorkingClip, usize), (b, from): (&WorkingClip, usize)
     if !both || speed(a, at) >= STANDING || speed(b, from) >= STANDING {
         return None;
     }
-    let planted = |point: &FootPoint| a.contacts[at].at(*point) && b.contacts[from].at(*point);
-    let points: Vec<FootPoint> = FootPoint::ALL.into_iter().filter(planted).collect();
+    let planted = |point: &ContactPoint| a.contacts[at].at(*point) && b.contacts[from].at(*point);
+    let points: Vec<ContactPoint> = ContactPoint::FEET.into_iter().filter(planted).collect();
     if points.len() < FEWEST_POINTS {
         return None;
     }
@@ -169,10 +169,10 @@ fn standing_fit((a, at): (&WorkingClip, usize), (b, from): (&WorkingClip, usize)
 }
 
 /// Ground points of the feet in a working frame.
-fn feet(clip: &WorkingClip, frame: usize, points: &[FootPoint]) -> Option<Vec<c64>> {
+fn feet(clip: &WorkingClip, frame: usize, points: &[ContactPoint]) -> Option<Vec<c64>> {
     let skeleton = &clip.clip.skeleton;
     let frames = skeleton.forward_kinematics(&clip.pose(frame as f64));
-    points.iter().map(|point| Some(plan_of(foot_point(skeleton, *point)?.place(&frames)))).collect()
+    points.iter().map(|point| Some(plan_of(contact_point(skeleton, *point)?.place(&frames)))).collect()
 }
 
 /// Speed of the root on the ground, m/s.

@@ -3,12 +3,13 @@
 use std::path::Path;
 use std::sync::Arc;
 
-use cotillion::clip::contacts::FootContacts;
+use cotillion::clip::contacts::Contacts;
+use cotillion::clip::contacts::annotated::{AnnotatedContact, point_named};
 use cotillion::clip::file::read_file;
 use cotillion::clip::read::ReadOptions;
 use cotillion::clip::working::{WORKING_STEP, WorkingClip};
 use cotillion::geometry::plan_of;
-use cotillion::index::floor_index;
+use cotillion::index::{SourceFrame, floor_index};
 use cotillion::skeleton::{Pose, Skeleton};
 use libtest_mimic::Failed;
 
@@ -84,6 +85,32 @@ pub(crate) const OTHERS: [&str; 9] = [
     "amc/cmu_14_31_sit_on_stepstool_and_stand_up.amc",
 ];
 
+/// Clips of these that stand on steps, slopes, uneven ground or an obstacle.
+pub(crate) const RAISED: [&str; 7] = [
+    "amc/cmu_03_01_walk_on_uneven_terrain_step_down.amc",
+    "amc/cmu_03_02_walk_on_uneven_terrain.amc",
+    "amc/cmu_127_33_run_over_low_obstacle.amc",
+    "amc/cmu_14_21_climb_3_steps_up_and_down.amc",
+    "bvh/snu_slope_up_10.bvh",
+    "bvh/snu_slope_up_16.bvh",
+    "bvh/snu_walk_to_slope_and_back.bvh",
+];
+
+/// Joint, first and last file frame of each time that a hand bears.
+type OnHands = &'static [(&'static str, u32, u32)];
+
+/// Clips in which hands bear: all but the first, a dive and roll, are cartwheels.
+pub(crate) const ON_HANDS: [(&str, OnHands); 5] = [
+    ("amc/cmu_127_23_run_dive_over_and_roll_run.amc", &[("left_hand", 156, 172)]),
+    ("amc/cmu_49_06_cartwheel.amc", &[("left_hand", 268, 308), ("right_hand", 220, 272)]),
+    (
+        "amc/cmu_49_08_two_cartwheels.amc",
+        &[("left_hand", 76, 128), ("right_hand", 52, 100), ("lhand", 412, 468), ("rhand", 384, 440)],
+    ),
+    ("bvh/mass_cart.bvh", &[("left_hand", 92, 144), ("right_hand", 116, 180)]),
+    ("deepmimic/humanoid3d_cartwheel.txt", &[("left_hand", 65, 82), ("right_hand", 76, 96)]),
+];
+
 /// Headers of these say 24 frames a second, and are wrong: played so, bodies fall slower than they do.
 const WRONG_RATE: &str = "snu_";
 /// What they were captured at.
@@ -94,7 +121,7 @@ pub(crate) struct Walk {
     pub(crate) working: WorkingClip,
     pub(crate) times: Vec<f64>,
     pub(crate) poses: Vec<Pose>,
-    pub(crate) contacts: Vec<FootContacts>,
+    pub(crate) contacts: Vec<Contacts>,
 }
 
 impl Walk {
@@ -132,7 +159,7 @@ pub(crate) struct Stretch<'a> {
     pub(crate) walk: &'a Walk,
     pub(crate) times: Vec<f64>,
     pub(crate) rest: &'a [Pose],
-    pub(crate) contacts: &'a [FootContacts],
+    pub(crate) contacts: &'a [Contacts],
 }
 
 pub(crate) fn load(folder: &Path, file: &str) -> Result<Walk, Failed> {
@@ -140,7 +167,12 @@ pub(crate) fn load(folder: &Path, file: &str) -> Result<Walk, Failed> {
     let read = read_file(&path, None, &ReadOptions::default())?;
     let is_wrong = file.contains(WRONG_RATE) && (read.header_fps - 24.0).abs() < 0.01;
     let options = ReadOptions { fps: is_wrong.then_some(RIGHT_RATE), ..ReadOptions::default() };
-    let clip = if is_wrong { read_file(&path, None, &options)?.clip } else { read.clip };
+    let mut clip = if is_wrong { read_file(&path, None, &options)?.clip } else { read.clip };
+    let stated = ON_HANDS.iter().find(|(name, _)| *name == file).map_or(&[][..], |(_, stated)| stated);
+    for (joint, from, to) in stated {
+        let point = point_named(&clip.skeleton, joint)?;
+        clip.contacts.push(AnnotatedContact { point, from: SourceFrame(*from), to: SourceFrame(*to) });
+    }
     let (first, last) = clip.usable;
     let working = WorkingClip::new(file, Arc::new(clip), first, last);
     let frames = 0..working.frame_count();

@@ -1,13 +1,16 @@
 //! What is measured of a body in motion.
 
 use cotillion::clip::Clip;
-use cotillion::clip::contacts::{FootContacts, FootPoint, foot_point};
-use cotillion::full_body::chain::legs;
+use cotillion::clip::contacts::{ContactPoint, Contacts, contact_point};
+use cotillion::full_body::chain::{arms, legs};
+use cotillion::full_body::limits::{Cone, MOST_BENT};
 use cotillion::full_body::smooth::largest_acceleration;
 use cotillion::geometry::log;
 use cotillion::metrics::foot_slide;
 use cotillion::skeleton::{Pose, Skeleton};
 use std::sync::Arc;
+
+use super::clips::Stretch;
 
 /// Largest angular acceleration of a knee, rad/s², by second differences.
 pub(crate) fn knee_acceleration(skeleton: &Skeleton, times: &[f64], poses: &[Pose]) -> f64 {
@@ -19,9 +22,29 @@ pub(crate) fn knee_acceleration(skeleton: &Skeleton, times: &[f64], poses: &[Pos
 }
 
 /// Mean horizontal speed of points of the feet in contact, m/s.
-pub(crate) fn slide(skeleton: &Skeleton, poses: &[Pose], contacts: &[FootContacts]) -> f64 {
+pub(crate) fn slide(skeleton: &Skeleton, poses: &[Pose], contacts: &[Contacts]) -> f64 {
     let clip = Clip::from_poses("", Arc::new(skeleton.clone()), 30.0, poses);
     foot_slide(&clip, contacts).unwrap_or(0.0)
+}
+
+/// Largest change of the height of a point of a foot or a hand while it bears and `counts` it at that frame, metres.
+pub(crate) fn height_change(
+    stretch: &Stretch<'_>,
+    after: &[Pose],
+    counts: impl Fn(ContactPoint, usize) -> bool,
+) -> f64 {
+    let skeleton = stretch.walk.skeleton();
+    let mut largest = 0.0_f64;
+    for (frame, (before, after)) in stretch.rest.iter().zip(after).enumerate() {
+        let contact = stretch.contacts[frame];
+        let (before, after) = (skeleton.forward_kinematics(before), skeleton.forward_kinematics(after));
+        let bearing = ContactPoint::ALL.into_iter().filter(|point| contact.at(*point));
+        for point in bearing.filter(|point| counts(*point, frame)) {
+            let Some(at) = contact_point(skeleton, point) else { continue };
+            largest = largest.max((at.place(&before).y - at.place(&after).y).abs());
+        }
+    }
+    largest
 }
 
 /// Largest change of a joint's angle, radians.
@@ -53,7 +76,7 @@ pub(crate) fn bone_change(skeleton: &Skeleton, before: &[Pose], after: &[Pose]) 
 pub(crate) fn below_ground(skeleton: &Skeleton, before: &[Pose], after: &[Pose]) -> f64 {
     let lowest = |poses: &[Pose]| {
         let points: Vec<_> =
-            FootPoint::ALL.into_iter().filter_map(|point| foot_point(skeleton, point)).collect();
+            ContactPoint::FEET.into_iter().filter_map(|point| contact_point(skeleton, point)).collect();
         let heights = poses.iter().flat_map(|pose| {
             let frames = skeleton.forward_kinematics(pose);
             points.iter().map(|point| point.place(&frames).y).collect::<Vec<_>>()
@@ -61,4 +84,19 @@ pub(crate) fn below_ground(skeleton: &Skeleton, before: &[Pose], after: &[Pose])
         heights.fold(f64::INFINITY, f64::min)
     };
     (lowest(before) - lowest(after)).max(0.0)
+}
+
+/// How far thighs, upper arms, knees and elbows go beyond what limbs are brought to, radians.
+pub(crate) fn beyond_limits(skeleton: &Skeleton, poses: &[Pose]) -> f64 {
+    let beyond = legs(skeleton).into_iter().chain(arms(skeleton)).flatten().flat_map(|limb| {
+        let cone = Cone::of(skeleton, &limb);
+        poses.iter().map(move |pose| {
+            let place = limb.place(skeleton, pose);
+            let above = place.upper_rotation * pose.rotations[limb.upper.as_usize()].inverse();
+            let bone = place.limb.middle - place.limb.upper;
+            let swing = cone.map_or(0.0, |cone| bone.angle_between(above * cone.axis) - cone.angle);
+            swing.max(place.limb.bend() - MOST_BENT)
+        })
+    });
+    beyond.fold(0.0, f64::max)
 }

@@ -17,10 +17,10 @@
 //! So a clip has to be walked as a whole where `0 < k ≤ 2.2` for the body and for every foot that bears; each plant that is
 //! within the legs' reach has to stand wherever it is; and what is torn is cut into stretches that have a direction.
 
-use cotillion::clip::contacts::{FootPoint, foot_point};
+use cotillion::clip::contacts::{ContactPoint, contact_point};
 use cotillion::full_body::chain::legs;
-use cotillion::full_body::plants::{LegTrack, bearing, plants};
-use cotillion::full_body::report::FootPlant;
+use cotillion::full_body::plants::{FEET, LegTrack, bearing, plants};
+use cotillion::full_body::report::PlantedPoint;
 use cotillion::geometry::plan_of;
 use cotillion::skeleton::Pose;
 
@@ -41,8 +41,10 @@ const BEYOND_REACH: f64 = 1.0;
 pub(crate) fn factors(stretch: &Stretch, edit: Bend) -> (f64, f64) {
     let skeleton = stretch.walk.skeleton();
     let chord = edit.chord(stretch.rest);
-    let points: Vec<_> =
-        FootPoint::ALL.into_iter().filter_map(|point| Some((point, foot_point(skeleton, point)?))).collect();
+    let points: Vec<_> = ContactPoint::FEET
+        .into_iter()
+        .filter_map(|point| Some((point, contact_point(skeleton, point)?)))
+        .collect();
     let mut range = (f64::INFINITY, f64::NEG_INFINITY);
     for (pose, contact) in stretch.rest.iter().zip(stretch.contacts) {
         let frames = skeleton.forward_kinematics(pose);
@@ -71,7 +73,7 @@ impl Strides {
         for (side, chain) in legs(skeleton).into_iter().enumerate() {
             let Some(chain) = chain else { continue };
             let places = |poses: &[Pose]| poses.iter().map(|pose| chain.place(skeleton, pose)).collect();
-            let [heel, toe] = bearing(stretch.contacts, side);
+            let [heel, toe] = bearing(stretch.contacts, FEET[side]);
             let track = LegTrack { rest: places(stretch.rest), moved: places(moved), heel, toe };
             for plant in plants(&stretch.times, &track) {
                 let span = plant.span.first..=plant.span.last;
@@ -87,8 +89,8 @@ impl Strides {
     }
 
     /// Whether the leg reaches a plant all along.
-    pub(crate) fn reach(&self, plant: &FootPlant) -> bool {
-        let side = usize::from(matches!(plant.point, FootPoint::RightHeel | FootPoint::RightToe));
+    pub(crate) fn reach(&self, plant: &PlantedPoint) -> bool {
+        let side = usize::from(matches!(plant.point, ContactPoint::RightHeel | ContactPoint::RightToe));
         self.0[side][plant.first..=plant.last].iter().all(|stride| *stride < LEGS_REACH)
     }
 

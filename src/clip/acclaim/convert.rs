@@ -43,6 +43,7 @@ pub(super) fn clip_in_file_units(
         rotations,
         moving_offsets: Vec::new(),
         events: BTreeMap::new(),
+        contacts: Vec::new(),
         usable: (SourceFrame(0), SourceFrame::from_usize(motion.frame_count - 1)),
     }
 }

@@ -90,14 +90,16 @@ impl Body {
         Self { skeleton: Arc::new(skeleton(scale)), scale }
     }
 
-    /// A pose with this trunk, the rest as in the rest pose; head level, looking ahead.
+    /// A pose with this trunk, the rest as in the rest pose; head level, looking ahead, or down where the neck bends no farther.
     pub(super) fn pose(&self, pelvis: DVec3, trunk: Trunk) -> Pose {
+        /// Neck and head against the trunk, radians: short of the neck's limit.
+        const FARTHEST_BACK: f64 = 0.9;
         let mut pose = self.skeleton.rest_pose();
         pose.root = pelvis;
         let twist = DQuat::from_rotation_y((trunk.chest_turn - trunk.pelvis_turn) / 2.0);
         let straighten = DQuat::from_rotation_z((trunk.chest_list - trunk.pelvis_list) / 2.0);
         let bend = DQuat::from_rotation_x(trunk.lean / 2.0);
-        let look = DQuat::from_rotation_x(-(trunk.lean + trunk.pelvis_tilt) / 2.0)
+        let look = DQuat::from_rotation_x(-(trunk.lean + trunk.pelvis_tilt).min(FARTHEST_BACK) / 2.0)
             * DQuat::from_rotation_y(-trunk.chest_turn / 2.0)
             * DQuat::from_rotation_z(-trunk.chest_list / 2.0);
         pose.rotations[PELVIS] = DQuat::from_rotation_y(trunk.pelvis_turn)

@@ -1,4 +1,4 @@
-//! Clips of getting out of the way on the spot: ducking under something, dodging aside.
+//! Clips of getting out of the way on the spot: ducking under something, cowering, dodging aside.
 
 use super::body::{Body, HEAD, Side};
 use super::crouch;
@@ -6,8 +6,11 @@ use super::keyed::Curve;
 use super::performance::Performance;
 use super::{BuiltinInfo, BuiltinParameter, FPS, Generator, Made, STATURE, Values, frame_at, stand};
 
-pub(super) const ALL: &[Generator] =
-    &[Generator { info: DUCK, make: duck }, Generator { info: DODGE, make: dodge }];
+pub(super) const ALL: &[Generator] = &[
+    Generator { info: DUCK, make: duck },
+    Generator { info: COWER, make: cower },
+    Generator { info: DODGE, make: dodge },
+];
 
 const DUCK: BuiltinInfo = BuiltinInfo {
     name: "duck",
@@ -30,6 +33,22 @@ const DUCK: BuiltinInfo = BuiltinInfo {
         STATURE,
     ],
     events: &[],
+};
+
+const COWER: BuiltinInfo = BuiltinInfo {
+    name: "cower",
+    description: "crouches as low as it goes with the head down, and comes up again",
+    parameters: &[
+        BuiltinParameter {
+            name: "seconds",
+            description: "length; lowest between two and three fifths of it",
+            unit: "s",
+            default: 3.0,
+            range: (1.8, 10.0),
+        },
+        STATURE,
+    ],
+    events: &["low"],
 };
 
 const DODGE: BuiltinInfo = BuiltinInfo {
@@ -73,6 +92,20 @@ fn duck(body: &Body, values: &Values) -> Made {
         Curve::through(&[(times[0], still), (times[1], low), (times[2], low), (times[3], still)])
     });
     act.made(last_frame, Vec::new())
+}
+
+fn cower(body: &Body, values: &Values) -> Made {
+    /// Eyes below the horizon, radians.
+    const HEAD_DOWN: f64 = 1.3;
+    let last_frame = frame_at(values["seconds"]);
+    let times = DUCKING.map(|share| share * last_frame as f64 / FPS);
+    let key = |still: f64, low: f64| {
+        Curve::through(&[(times[0], still), (times[1], low), (times[2], low), (times[3], still)])
+    };
+    let mut act = Performance::standing(body);
+    ducked(&mut act, 1.0, key);
+    act.trunk.gaze = key(0.0, HEAD_DOWN);
+    act.made(last_frame, vec![last_frame / 2])
 }
 
 /// Crouches `depth` deep, hands before the chest, eyes ahead.

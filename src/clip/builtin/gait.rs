@@ -69,6 +69,8 @@ pub(super) struct Gait {
 pub(super) struct Bearing {
     /// Pelvis ahead of where it would be above the feet, metres at 1.75 m.
     pub(super) ahead: f64,
+    /// Pelvis lower than without, metres at 1.75 m.
+    pub(super) low: f64,
     /// Tilt of the pelvis and bend of the trunk, both forward, radians.
     pub(super) tilt: f64,
     pub(super) lean: f64,
@@ -293,13 +295,14 @@ impl Gait {
         let (place, borne) = (self.place(time), self.bearing);
         // Who stands with the pelvis ahead of the feet has it lower, or the legs were too short.
         let lower = 0.8 * borne.ahead * borne.ahead * bearing * self.body.scale;
+        let low = borne.low * bearing * self.body.scale;
         let stand = stand::pelvis_height(&self.body) - lower;
         let list = -share * self.list();
         let pelvis = DVec3::new(
             0.018 * self.body.scale * share * wave(MID_STANCE)
                 - self.height * list.tan()
                 - self.weight_shift(time),
-            stand + share * (self.height - stand) - 4.0 * self.dip * share * (1.0 - share)
+            stand - low + share * (self.height - stand) - 4.0 * self.dip * share * (1.0 - share)
                 + 0.016 * self.body.scale * pace * bob,
             self.travel(time) + borne.ahead * bearing * self.body.scale,
         );

@@ -44,7 +44,7 @@ const JUMP_OVER: BuiltinInfo = BuiltinInfo {
             description: "of the obstacle",
             unit: "m",
             default: 0.3,
-            range: (0.1, 0.4),
+            range: (0.1, 0.45),
         },
         STATURE,
     ],

@@ -21,15 +21,15 @@ pub(super) const ALL: &[Generator] = &[
 
 const PICK_UP: BuiltinInfo = BuiltinInfo {
     name: "pick_up",
-    description: "bends knees and back, grasps a box on the floor with both hands and lifts it to the waist",
-    parameters: &[seconds(3.0), BOX_WIDTH, BOX_HEIGHT, STATURE],
+    description: "bends knees and back, grasps a box on the floor, or on something, with both hands and brings it to the waist",
+    parameters: &[seconds(3.0), BOX_WIDTH, BOX_HEIGHT, ON, STATURE],
     events: &["grasp"],
 };
 
 const PUT_DOWN: BuiltinInfo = BuiltinInfo {
     name: "put_down",
-    description: "puts a box from the waist on the floor; a pick_up backwards",
-    parameters: &[seconds(3.0), BOX_WIDTH, BOX_HEIGHT, STATURE],
+    description: "puts a box from the waist on the floor, or on something; a pick_up backwards",
+    parameters: &[seconds(3.0), BOX_WIDTH, BOX_HEIGHT, ON, STATURE],
     events: &["release"],
 };
 
@@ -51,13 +51,18 @@ const fn seconds(default: f64) -> BuiltinParameter {
     BuiltinParameter { name: "seconds", description: "length", unit: "s", default, range: (2.0, 10.0) }
 }
 
-const BOX_WIDTH: BuiltinParameter = BuiltinParameter {
-    name: "width",
-    description: "of the box, between the palms",
-    unit: "m",
-    default: 0.35,
-    range: (0.15, 0.5),
-};
+/// Width of a box, a parameter of clips that hold one.
+pub(super) const fn box_width(default: f64) -> BuiltinParameter {
+    BuiltinParameter {
+        name: "width",
+        description: "of the box, between the palms",
+        unit: "m",
+        default,
+        range: (0.15, 0.5),
+    }
+}
+
+const BOX_WIDTH: BuiltinParameter = box_width(0.35);
 
 const BOX_HEIGHT: BuiltinParameter = BuiltinParameter {
     name: "height",
@@ -65,6 +70,14 @@ const BOX_HEIGHT: BuiltinParameter = BuiltinParameter {
     unit: "m",
     default: 0.3,
     range: (0.15, 0.5),
+};
+
+const ON: BuiltinParameter = BuiltinParameter {
+    name: "on",
+    description: "height of what the box stands on, at another stature in proportion; 0 is the floor",
+    unit: "m",
+    default: 0.0,
+    range: (0.0, 0.6),
 };
 
 /// Palms on a box that is held before the waist, and their fingers below the horizon in radians: up and ahead.
@@ -94,8 +107,14 @@ fn pick_up(body: &Body, values: &Values) -> Made {
     let seconds = last_frame as f64 / FPS;
     let grasp_frame = frame_at(GRASP * seconds);
     let grasp = grasp_frame as f64 / FPS;
-    let palm = (values["height"] / 2.0).max(LOWEST_PALM * body.scale);
-    let depth = depth_for(body, values["width"], palm);
+    // The higher the box stands, the more the hands are on it as they hold it. Their wrists are as much higher as it is, so
+    // that it is put exactly there, whatever it was lifted from.
+    let fingers = ON_FLOOR.1 + (HELD.2 - ON_FLOOR.1) * (values["on"] / HELD.0).min(1.0);
+    let turned = palm_from_wrist(body, fingers).y - palm_from_wrist(body, ON_FLOOR.1).y;
+    let on_floor = (values["height"] / 2.0).max(LOWEST_PALM * body.scale);
+    let palm = on_floor + values["on"] * body.scale + turned;
+    let held = HELD.0 * body.scale;
+    let depth = depth_for(body, values["width"], (palm, fingers));
     let times = [0.0, BENT * seconds, grasp + 0.04 * seconds, UPRIGHT * seconds];
     let mut act = Performance::standing(body);
     crouch::down_and_up(&mut act, depth, times);
@@ -113,14 +132,14 @@ fn pick_up(body: &Body, values: &Values) -> Made {
             weight: Curve::through(&[(0.0, 0.0), (0.40 * seconds, 1.0)]),
             palm: [
                 Curve::through(&[(0.32 * seconds, side.sign() * open), (grasp, side.sign() * shut)]),
-                Curve::through(&[(grasp, palm), (LIFTED * seconds, scaled(HELD.0))]),
+                Curve::through(&[(grasp, palm), (LIFTED * seconds, held)]),
                 Curve::through(&[
                     (grasp, scaled(ON_FLOOR.0)),
                     (PAST_KNEES * seconds, scaled(ON_FLOOR.0)),
                     (LIFTED * seconds, scaled(HELD.1)),
                 ]),
             ],
-            fingers: Curve::through(&[(grasp, ON_FLOOR.1), (TURNED * seconds, HELD.2)]),
+            fingers: Curve::through(&[(grasp, fingers), (TURNED * seconds, HELD.2)]),
         });
     }
     act.made(last_frame, vec![grasp_frame])
@@ -131,14 +150,14 @@ fn put_down(body: &Body, values: &Values) -> Made {
 }
 
 /// How deep to crouch so that arms bent a little reach the box, by bisection.
-fn depth_for(body: &Body, width: f64, palm: f64) -> f64 {
+fn depth_for(body: &Body, width: f64, (palm, fingers): (f64, f64)) -> f64 {
     let shoulder_to_wrist = |depth: f64| {
         let mut act = Performance::standing(body);
         crouch::still(&mut act, depth);
         let pose = act.pose(0.0);
         let shoulder = body.skeleton.forward_kinematics(&pose)[arm_joints(Side::Left)[1]].position;
         let target = DVec3::new(width / 2.0, palm, ON_FLOOR.0 * body.scale);
-        (target - palm_from_wrist(body, ON_FLOOR.1)).distance(shoulder)
+        (target - palm_from_wrist(body, fingers)).distance(shoulder)
     };
     let reach = STRETCHED * (UPPER_ARM + FOREARM) * body.scale;
     crouch::bisect(|depth| shoulder_to_wrist(depth) > reach)

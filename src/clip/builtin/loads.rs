@@ -12,8 +12,11 @@ use super::{BuiltinInfo, BuiltinParameter, FPS, Generator, Made, STATURE, Values
 use crate::geometry::smoothstep;
 use crate::skeleton::Pose;
 
-pub(super) const ALL: &[Generator] =
-    &[Generator { info: CARRY, make: carry }, Generator { info: PUSH, make: push }];
+pub(super) const ALL: &[Generator] = &[
+    Generator { info: CARRY, make: carry },
+    Generator { info: PUSH, make: push },
+    Generator { info: DUCK_WALK, make: duck_walk },
+];
 
 const CARRY: BuiltinInfo = BuiltinInfo {
     name: "carry",
@@ -52,7 +55,7 @@ const CARRY: BuiltinInfo = BuiltinInfo {
 
 const PUSH: BuiltinInfo = BuiltinInfo {
     name: "push",
-    description: "pushes something ahead with both hands at chest height, leaning on it",
+    description: "pushes something ahead with both hands, at chest height leaning on it, lower stooping",
     parameters: &[
         BuiltinParameter {
             name: "speed",
@@ -73,10 +76,57 @@ const PUSH: BuiltinInfo = BuiltinInfo {
         stop(1.0),
         TAKE,
         GIVE,
+        BuiltinParameter {
+            name: "height",
+            description: "of the wrists, at another stature in proportion",
+            unit: "m",
+            default: CHEST_HIGH,
+            range: (KNEE_HIGH, CHEST_HIGH),
+        },
         STATURE,
     ],
     events: &["grasp", "release"],
 };
+
+const DUCK_WALK: BuiltinInfo = BuiltinInfo {
+    name: "duck_walk",
+    description: "walks ducked, hands beside the knees; ducks where it starts and rises where it stops",
+    parameters: &[
+        BuiltinParameter {
+            name: "speed",
+            description: SPEED_HELP,
+            unit: "m/s",
+            default: 0.6,
+            range: (0.3, 0.6),
+        },
+        BuiltinParameter { range: (-20.0, 20.0), ..TURN },
+        BuiltinParameter {
+            name: "seconds",
+            description: "length, to the nearest cycle unless it only starts",
+            unit: "s",
+            default: 8.0,
+            range: (0.5, 600.0),
+        },
+        start(1.0),
+        stop(1.0),
+        BuiltinParameter {
+            name: "down",
+            description: "with start = 1: 1: stands upright at first and ducks; 0: is ducked from the first frame on",
+            ..TAKE
+        },
+        BuiltinParameter {
+            name: "up",
+            description: "with stop = 1: 1: rises at last; 0: is ducked to the last frame",
+            ..GIVE
+        },
+        STATURE,
+    ],
+    events: &["ducked", "rising"],
+};
+
+/// Wrists of one who pushes something tall, or low, metres at 1.75 m.
+const CHEST_HIGH: f64 = 1.2;
+const KNEE_HIGH: f64 = 0.5;
 
 /// Whether the hands come from hanging.
 const TAKE: BuiltinParameter = BuiltinParameter {
@@ -106,18 +156,41 @@ type Hold = fn(&Body, &Values, &Pose, Side) -> ArmTarget;
 
 fn carry(body: &Body, values: &Values) -> Made {
     let bearing = Bearing { lean: -0.05, still: 0.9, ..Bearing::default() };
-    made(body, values, bearing, beside_box)
+    let beside =
+        |body: &Body, values: &Values, pose: &Pose, side| beside_box(body, values["width"], pose, side);
+    made(body, (values, hands_move(values, ["take", "give"])), bearing, beside)
 }
 
 fn push(body: &Body, values: &Values) -> Made {
-    let bearing = Bearing { ahead: 0.09, tilt: 0.20, lean: 0.20, still: 0.9 };
-    made(body, values, bearing, against)
+    let stooped = stooped(values);
+    let mixed = |upright: f64, low: f64| upright + stooped * (low - upright);
+    let bearing = Bearing {
+        ahead: mixed(0.09, -0.09),
+        low: mixed(0.0, 0.14),
+        tilt: mixed(0.20, 0.65),
+        lean: mixed(0.20, 0.85),
+        still: 0.9,
+    };
+    made(body, (values, hands_move(values, ["take", "give"])), bearing, against)
 }
 
-fn made(body: &Body, values: &Values, bearing: Bearing, hold: Hold) -> Made {
+/// Share of the way from pushing at the chest to pushing at the knees.
+fn stooped(values: &Values) -> f64 {
+    (CHEST_HIGH - values["height"]) / (CHEST_HIGH - KNEE_HIGH)
+}
+
+fn duck_walk(body: &Body, values: &Values) -> Made {
+    let bearing = Bearing { ahead: -0.09, low: 0.15, tilt: 0.60, lean: 0.75, still: 0.9 };
+    made(body, (values, hands_move(values, ["down", "up"])), bearing, beside_knees)
+}
+
+/// Whether the hands move at the start and at the stop, by the names of the parameters that say so.
+fn hands_move(values: &Values, [first, last]: [&str; 2]) -> [bool; 2] {
+    [("start", first), ("stop", last)].map(|(end, hands)| values[end] >= 0.5 && values[hands] >= 0.5)
+}
+
+fn made(body: &Body, (values, [takes, gives]): (&Values, [bool; 2]), bearing: Bearing, hold: Hold) -> Made {
     let mut gait = Gait::new(body.clone(), values["speed"], course(values), bearing);
-    let takes = values["start"] >= 0.5 && values["take"] >= 0.5;
-    let gives = values["stop"] >= 0.5 && values["give"] >= 0.5;
     let standing =
         [takes, gives].map(|hands| if hands { STANDING + REACHING + HOLDING } else { 2.0 * HOLDING });
     let schedule = schedule(&mut gait, values, standing);
@@ -160,14 +233,14 @@ fn held(frame: usize, [grasp, release]: [usize; 2], takes: bool, gives: bool) ->
 }
 
 /// Palms on both sides of a box before the waist, as who has picked it up holds it.
-fn beside_box(body: &Body, values: &Values, pose: &Pose, side: Side) -> ArmTarget {
+pub(super) fn beside_box(body: &Body, width: f64, pose: &Pose, side: Side) -> ArmTarget {
     let (height, ahead, fingers) = HELD;
     let outwards = DVec3::X * side.sign();
     // Half way between pelvis and neck to the side, where a body leans into a curve.
     let neck = body.skeleton.forward_kinematics(pose)[NECK].position;
     let middle = pose.root.with_x(0.5 * (pose.root.x + neck.x));
     let above_pelvis = height * body.scale - stand::pelvis_height(body);
-    let palm = DVec3::new(0.0, above_pelvis, ahead * body.scale) + outwards * (0.5 * values["width"]);
+    let palm = DVec3::new(0.0, above_pelvis, ahead * body.scale) + outwards * (0.5 * width);
     let fingers = palm_from_wrist(body, fingers);
     ArmTarget {
         wrist: middle + palm - fingers,
@@ -178,11 +251,31 @@ fn beside_box(body: &Body, values: &Values, pose: &Pose, side: Side) -> ArmTarge
 }
 
 /// Palms against something upright ahead, which moves as evenly as the body travels.
-fn against(body: &Body, _: &Values, pose: &Pose, side: Side) -> ArmTarget {
+fn against(body: &Body, values: &Values, pose: &Pose, side: Side) -> ArmTarget {
+    /// Fingers above the horizon, radians.
+    const UPRIGHT: f64 = 1.326;
+    const LEVEL: f64 = -0.1;
+    let stooped = stooped(values);
+    let wrist = DVec3::new(0.19 * side.sign(), values["height"], 0.60 - 0.01 * stooped);
+    // Fingers point up where arms push straight ahead; who stoops has them on top, over the edge.
+    let up = UPRIGHT * (1.0 - stooped) + LEVEL * stooped;
     ArmTarget {
-        wrist: pose.root.with_x(0.0).with_y(0.0) + DVec3::new(0.19 * side.sign(), 1.20, 0.60) * body.scale,
-        elbow: DVec3::new(0.7 * side.sign(), -1.0, -0.2),
-        fingers: DVec3::new(0.0, 1.0, 0.25),
-        palm: DVec3::new(0.0, -0.25, 1.0),
+        wrist: pose.root.with_x(0.0).with_y(0.0) + wrist * body.scale,
+        elbow: DVec3::new((0.7 + 0.2 * stooped) * side.sign(), -1.0 + 0.4 * stooped, -0.2),
+        fingers: DVec3::new(0.0, up.sin(), up.cos()),
+        palm: DVec3::new(-0.6 * stooped * side.sign(), -up.cos(), up.sin()),
+    }
+}
+
+/// Hands beside the knees: they move as evenly as the body travels.
+fn beside_knees(body: &Body, _: &Values, pose: &Pose, side: Side) -> ArmTarget {
+    /// Fingers below the horizon, radians.
+    const FINGERS: f64 = 0.9;
+    let outwards = DVec3::X * side.sign();
+    ArmTarget {
+        wrist: pose.root.with_x(0.0) + (outwards * 0.23 + DVec3::new(0.0, -0.22, 0.44)) * body.scale,
+        elbow: DVec3::new(0.6 * side.sign(), -0.4, -1.0),
+        fingers: palm_from_wrist(body, FINGERS),
+        palm: -outwards,
     }
 }

@@ -25,11 +25,13 @@ mod mass;
 mod momentum;
 mod performance;
 mod request;
+mod rhythm;
 mod run;
 mod side;
 mod sit;
 mod stand;
 mod swing;
+mod turn;
 mod walks;
 
 use std::collections::BTreeMap;
@@ -161,8 +163,18 @@ struct Made {
 }
 
 /// Families of generated clips, in the order they are listed.
-const FAMILIES: &[&[Generator]] =
-    &[walks::ALL, run::ALL, side::ALL, loads::ALL, acts::ALL, lift::ALL, sit::ALL, dodge::ALL, jump::ALL];
+const FAMILIES: &[&[Generator]] = &[
+    walks::ALL,
+    run::ALL,
+    side::ALL,
+    turn::ALL,
+    loads::ALL,
+    acts::ALL,
+    lift::ALL,
+    sit::ALL,
+    dodge::ALL,
+    jump::ALL,
+];
 
 /// All generated clips.
 pub fn names() -> impl Iterator<Item = &'static BuiltinInfo> {

@@ -1,70 +1,80 @@
-//! Stepping to the side: the leading foot goes, the other follows, the body sways over the one that stands.
+//! Stepping to the side, with a load or without: the leading foot goes, the other follows, the body sways over the one that
+//! stands.
 
 use std::f64::consts::TAU;
 
 use glam::DVec3;
 
 use super::body::{Body, Side, Trunk};
+use super::lift::box_width;
 use super::limbs::{ArmAngles, Foot};
+use super::loads::beside_box;
+use super::rhythm::{Rhythm, SETTING_OFF};
 use super::stand;
 use super::walks::whole_cycles;
 use super::{BuiltinInfo, BuiltinParameter, FPS, Generator, Made, STATURE, Values, frame_at};
 use crate::geometry::smoothstep;
 use crate::skeleton::Pose;
 
-pub(super) const ALL: &[Generator] = &[Generator { info: SIDE_STEP, make: side_step }];
+pub(super) const ALL: &[Generator] =
+    &[Generator { info: SIDE_STEP, make: side_step }, Generator { info: CARRY_SIDE, make: carry_side }];
 
 const SIDE_STEP: BuiltinInfo = BuiltinInfo {
     name: "side_step",
     description: "steps to the side, looking ahead; each cycle is a step and a close",
-    parameters: &[
-        BuiltinParameter {
-            name: "speed",
-            description: "to the side",
-            unit: "m/s",
-            default: 0.4,
-            range: (0.2, 0.6),
-        },
-        BuiltinParameter {
-            name: "left",
-            description: "1: to the left; 0: to the right",
-            unit: "",
-            default: 1.0,
-            range: (0.0, 1.0),
-        },
-        BuiltinParameter {
-            name: "seconds",
-            description: "length, to the nearest cycle unless it only starts",
-            unit: "s",
-            default: 4.0,
-            range: (0.5, 600.0),
-        },
-        BuiltinParameter {
-            name: "start",
-            description: "1: stands first; 0: is under way from the first frame on",
-            unit: "",
-            default: 1.0,
-            range: (0.0, 1.0),
-        },
-        BuiltinParameter {
-            name: "stop",
-            description: "1: stands at last; 0: is under way to the last frame",
-            unit: "",
-            default: 1.0,
-            range: (0.0, 1.0),
-        },
-        STATURE,
-    ],
+    parameters: &[SPEED, LEFT, SECONDS, START, STOP, STATURE],
     events: &[],
+};
+
+const CARRY_SIDE: BuiltinInfo = BuiltinInfo {
+    name: "carry_side",
+    description: "steps to the side with a box, or one end of it, held in both hands before the waist",
+    parameters: &[SPEED, LEFT, SECONDS, box_width(0.4), START, STOP, STATURE],
+    events: &[],
+};
+
+const SPEED: BuiltinParameter = BuiltinParameter {
+    name: "speed",
+    description: "to the side",
+    unit: "m/s",
+    default: 0.4,
+    range: (0.2, 0.6),
+};
+
+const LEFT: BuiltinParameter = BuiltinParameter {
+    name: "left",
+    description: "1: to the left; 0: to the right",
+    unit: "",
+    default: 1.0,
+    range: (0.0, 1.0),
+};
+
+const SECONDS: BuiltinParameter = BuiltinParameter {
+    name: "seconds",
+    description: "length, to the nearest cycle unless it only starts",
+    unit: "s",
+    default: 4.0,
+    range: (0.5, 600.0),
+};
+
+const START: BuiltinParameter = BuiltinParameter {
+    name: "start",
+    description: "1: stands first; 0: is under way from the first frame on",
+    unit: "",
+    default: 1.0,
+    range: (0.0, 1.0),
+};
+
+const STOP: BuiltinParameter = BuiltinParameter {
+    name: "stop",
+    description: "1: stands at last; 0: is under way to the last frame",
+    unit: "",
+    default: 1.0,
+    range: (0.0, 1.0),
 };
 
 /// Seconds of standing still at either end.
 const STANDING: f64 = 0.2;
-/// Cycles of the body's setting off before its feet's, and after; the same to halt.
-const SETTING_OFF: f64 = 0.5;
-/// When the leading foot lifts and lands, in cycles; the other half a cycle later.
-const LIFT: f64 = 0.06;
-const LAND: f64 = 0.44;
 /// Height of a foot's lift, metres, and how far its toes hang half way, radians.
 const CLEARANCE: f64 = 0.06;
 const HANGING_TOES: f64 = 0.22;
@@ -85,25 +95,33 @@ struct Stepping<'a> {
     stride: f64,
     /// How much lower than standing the pelvis is at least, so that both legs reach, metres.
     drop: f64,
-    /// Whether it sets off from a stand, at time 0.
-    starts: bool,
-    /// Cycles after time 0 at which it stands again.
-    stop: Option<f64>,
+    rhythm: Rhythm,
+    /// Of the box in its hands, metres.
+    box_width: Option<f64>,
 }
 
 fn side_step(body: &Body, values: &Values) -> Made {
+    made(body, values, None)
+}
+
+fn carry_side(body: &Body, values: &Values) -> Made {
+    made(body, values, Some(values["width"]))
+}
+
+fn made(body: &Body, values: &Values, box_width: Option<f64>) -> Made {
     let leading = if values["left"] >= 0.5 { Side::Left } else { Side::Right };
-    let mut stepping = Stepping::new(body, values["speed"], leading);
-    stepping.starts = values["start"] >= 0.5;
+    let mut stepping = Stepping { box_width, ..Stepping::new(body, values["speed"], leading) };
+    let starts = values["start"] >= 0.5;
+    stepping.rhythm.starts = starts;
     let standing = ((STANDING + SETTING_OFF * stepping.period) * FPS).round() / FPS;
-    let before = if stepping.starts { standing } else { 0.0 };
+    let before = if starts { standing } else { 0.0 };
     let mut seconds = values["seconds"];
     if values["stop"] >= 0.5 {
-        let fewest = if stepping.starts { 2.0 } else { 1.0 };
+        let fewest = if starts { 2.0 } else { 1.0 };
         let cycles = ((seconds - before - standing) / stepping.period).round().max(fewest);
-        stepping.stop = Some(cycles);
+        stepping.rhythm.stop = Some(cycles);
         seconds = before + cycles * stepping.period + standing;
-    } else if !stepping.starts {
+    } else if !starts {
         seconds = whole_cycles(seconds, stepping.period);
     }
     let poses = (0..=frame_at(seconds)).map(|frame| stepping.pose(frame as f64 / FPS - before));
@@ -116,30 +134,10 @@ impl<'a> Stepping<'a> {
         let usual = (0.30 * 0.30 / 0.4 * speed * body.scale).sqrt();
         let period = (usual / speed * FPS).round() / FPS;
         let stride = speed * period;
-        let mut stepping = Self { body, leading, period, stride, drop: 0.0, starts: false, stop: None };
+        let mut stepping =
+            Self { body, leading, period, stride, drop: 0.0, rhythm: Rhythm::default(), box_width: None };
         stepping.drop = stepping.smallest_drop();
         stepping
-    }
-
-    /// Time of the body in cycles: even, but for setting off and halting.
-    fn progress(&self, cycles: f64) -> f64 {
-        // Even speed is reached at the same time as by a jump to it half way.
-        let eased = |since: f64| {
-            let u = ((since + SETTING_OFF) / (2.0 * SETTING_OFF)).clamp(0.0, 1.0);
-            SETTING_OFF * u * u + (since - SETTING_OFF).max(0.0)
-        };
-        match self.stop {
-            Some(stop) if cycles > 0.5 * stop => stop - eased(stop - cycles),
-            _ if self.starts => eased(cycles),
-            _ => cycles,
-        }
-    }
-
-    /// Share of stepping against standing.
-    fn pace(&self, cycles: f64) -> f64 {
-        let eased = |since: f64| smoothstep((since + SETTING_OFF) / (2.0 * SETTING_OFF));
-        let begun = if self.starts { eased(cycles) } else { 1.0 };
-        begun * self.stop.map_or(1.0, |stop| eased(stop - cycles))
     }
 
     /// How far the pelvis goes ahead, metres, while the first step leaves a stand (back) or the last one comes to one.
@@ -150,24 +148,15 @@ impl<'a> Stepping<'a> {
         let bump = |since: f64| {
             smoothstep((since + SETTING_OFF) / HALF) * smoothstep((2.0 * HALF - SETTING_OFF - since) / HALF)
         };
-        let leaving = if self.starts { bump(cycles) } else { 0.0 };
-        FARTHEST * self.body.scale * (self.stop.map_or(0.0, |stop| bump(stop - cycles)) - leaving)
+        let Rhythm { starts, stop } = self.rhythm;
+        let leaving = if starts { bump(cycles) } else { 0.0 };
+        FARTHEST * self.body.scale * (stop.map_or(0.0, |stop| bump(stop - cycles)) - leaving)
     }
 
     /// Where a foot is, in cycles after the leading one was about to lift.
     fn foot(&self, side: Side, cycles: f64) -> Foot {
-        let delay = if side == self.leading { 0.0 } else { 0.5 };
-        let since = match self.stop {
-            Some(stop) => cycles.min(stop),
-            None => cycles,
-        };
-        let since = if self.starts { since.max(0.0) } else { since } - delay;
-        let u = ((since - since.floor() - LIFT) / (LAND - LIFT)).clamp(0.0, 1.0);
-        // Where the other foot begins, half a cycle is not yet gone; where it ends, it has closed.
-        let gone = since.floor() + smoothstep(u);
-        let gone = if self.starts { gone.max(0.0) } else { gone };
+        let (gone, lift) = self.rhythm.step(side == self.leading, cycles);
         let (ankle, turn) = stand::planted(self.body, side);
-        let lift = 16.0 * (u * (1.0 - u)).powi(2);
         let way = DVec3::X * (self.leading.sign() * self.stride * gone);
         let ankle = ankle + way + DVec3::Y * (CLEARANCE * self.body.scale * lift);
         Foot { ankle, turn, pitch: HANGING_TOES * lift, toe: 0.0 }
@@ -180,7 +169,7 @@ impl<'a> Stepping<'a> {
 
     /// Pose and how far its more stretched leg is stretched.
     fn stretched_pose(&self, cycles: f64) -> (Pose, f64) {
-        let (progress, pace) = (self.progress(cycles), self.pace(cycles));
+        let (progress, pace) = (self.rhythm.progress(cycles), self.rhythm.pace(cycles));
         let wave = (TAU * progress).sin();
         let ahead = self.leading.sign();
         let low = pace * (CROUCH * self.body.scale).max(self.drop);
@@ -197,6 +186,12 @@ impl<'a> Stepping<'a> {
             let stretch = self.body.place_foot(&mut pose, side, self.foot(side, cycles));
             longest = longest.max(stretch);
             self.hang_arm(&mut pose, side, pace, side.sign() * ahead * wave);
+        }
+        if let Some(width) = self.box_width {
+            for side in Side::BOTH {
+                let target = beside_box(self.body, width, &pose, side);
+                self.body.reach(&mut pose, side, target);
+            }
         }
         (pose, longest)
     }

@@ -44,6 +44,7 @@ pub(super) fn clip_in_file_units(raw: &RawBvh, name: &str, fps: f64, notes: &mut
         rotations,
         moving_offsets: moving_offsets(raw, &starts, notes),
         events: BTreeMap::new(),
+        contacts: Vec::new(),
         usable: (SourceFrame(0), SourceFrame::from_usize(raw.frame_count - 1)),
     }
 }

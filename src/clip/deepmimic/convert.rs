@@ -54,6 +54,7 @@ pub(super) fn clip(
         rotations,
         moving_offsets: Vec::new(),
         events: BTreeMap::new(),
+        contacts: Vec::new(),
         usable: (SourceFrame(0), SourceFrame::from_usize(frame_count - 1)),
     })
 }

@@ -25,9 +25,18 @@ const BODY: [(&str, &str, &[&str]); 5] = [
 /// The facts as a screen of text: at most 30 lines of 100 characters, all ended. What does not fit is counted; it is all in
 /// the facts.
 pub fn facts_text(facts: &ClipFacts) -> String {
-    let mut lines = vec![clipped(&facts.file, WIDTH)];
-    for (key, value, most) in measures(facts).into_iter().chain(phases(facts)).chain(joints(facts)) {
-        put(&mut lines, key, &value, most);
+    let entries: Vec<Entry> = measures(facts).into_iter().chain(phases(facts)).chain(joints(facts)).collect();
+    let laid_out = |most_lines: usize| {
+        let mut lines = vec![clipped(&facts.file, WIDTH)];
+        for (key, value, most) in &entries {
+            put(&mut lines, key, value, (*most).min(most_lines));
+        }
+        lines
+    };
+    let mut lines = laid_out(usize::MAX);
+    if lines.len() >= HEIGHT {
+        // Some twenty entries: with a line each, and one for warnings, they fit.
+        lines = laid_out(1);
     }
     put_warnings(&mut lines, &facts.warnings);
     let mut text = String::new();
@@ -87,6 +96,16 @@ fn phases(facts: &ClipFacts) -> Vec<Entry> {
         let on = if foot.ranges.is_empty() { String::new() } else { format!("on the ground {share:.0} %: ") };
         entries.push((key, on + &range_list(&foot.ranges), 2));
     }
+    for (key, side) in [("left hand", "left"), ("right hand", "right")] {
+        let ranges = stated(facts, side);
+        if !ranges.is_empty() {
+            entries.push((key, format!("bears, as stated: {}", range_list(&ranges)), 2));
+        }
+    }
+    let higher = higher_ground(facts);
+    if !higher.is_empty() {
+        entries.push(("higher", higher, 2));
+    }
     if let Some(slide) = facts.foot_slide {
         entries.push(("foot slide", format!("{slide:.3} m/s while on the ground"), 1));
     }
@@ -103,6 +122,40 @@ fn phases(facts: &ClipFacts) -> Vec<Entry> {
         entries.push(("events", events.join(", "), 2));
     }
     entries
+}
+
+/// Contacts of the hand of a side: of its joint, or of the end of the forearm.
+fn stated(facts: &ClipFacts, side: &str) -> Vec<FrameRange> {
+    let joint_of = |part: &str| facts.roles.iter().find(|fact| fact.role == format!("{side}_{part}"));
+    let hand = joint_of("hand").map(|fact| fact.joint.clone());
+    let hand = hand.or_else(|| Some(format!("{} end", joint_of("elbow")?.joint)));
+    let of_hand = facts.contacts.iter().filter(|range| hand.is_some() && range.joint == hand);
+    of_hand.map(|range| FrameRange { from: range.from, to: range.to }).collect()
+}
+
+/// Heights of ground that is not the floor, with the first frame on each; heel and toe of one foot, and feet side by side, count
+/// once.
+fn higher_ground(facts: &ClipFacts) -> String {
+    /// Grounds nearer than this in height are one, metres.
+    const SAME: f64 = 0.08;
+    let raised = facts.contacts.iter().filter_map(|range| Some((range.from, range.to, range.ground?)));
+    let mut raised: Vec<(u32, u32, f64)> = raised.collect();
+    raised.sort_by_key(|(from, ..)| *from);
+    let mut kept: Vec<(u32, u32, f64)> = Vec::new();
+    for (from, to, height) in raised {
+        match kept.last_mut() {
+            Some(last) if from <= last.1 && (height - last.2).abs() < SAME => last.1 = last.1.max(to),
+            _ => kept.push((from, to, height)),
+        }
+    }
+    let more = kept.len().saturating_sub(RANGES_SHOWN);
+    let shown: Vec<String> = kept
+        .iter()
+        .take(RANGES_SHOWN)
+        .map(|(from, to, height)| format!("{height:.2} m {from}–{to}"))
+        .collect();
+    let tail = if more > 0 { format!(" and {more} more") } else { String::new() };
+    shown.join(", ") + &tail
 }
 
 /// A change of facing in words, to whole degrees.
@@ -223,7 +276,7 @@ mod tests {
 
     use super::*;
     use crate::clip::builtin::generate;
-    use crate::clip::inspect::{EventFact, RoleFact, TransitionFacts, inspect};
+    use crate::clip::inspect::{EventFact, JointRange, RoleFact, TransitionFacts, inspect};
     use crate::clip::read::{ReadClip, Up};
 
     fn facts() -> ClipFacts {
@@ -249,8 +302,21 @@ mod tests {
         let contacts = &facts.contacts;
         facts.flights = (0..3000).map(|index| contacts[index % contacts.len()].clone()).collect();
         for role in &mut facts.roles {
-            role.joint = "joint_name".repeat(30);
+            role.joint = format!("{} ", role.role).repeat(30);
         }
+        // Hands and feet that bear again and again, each time higher, and rests in between.
+        let ranges: Vec<FrameRange> =
+            (10_000..10_100).map(|at| FrameRange { from: 9 * at, to: 9 * at + 4 }).collect();
+        let hands = facts.roles.iter().filter(|role| role.role.ends_with("_hand"));
+        let of_hand = |joint: &String, at: &FrameRange| JointRange {
+            joint: Some(joint.clone()),
+            from: at.from,
+            to: at.to,
+            ground: Some(f64::from(at.from)),
+        };
+        facts.contacts = hands.flat_map(|hand| ranges.iter().map(|at| of_hand(&hand.joint, at))).collect();
+        facts.feet.iter_mut().for_each(|foot| foot.ranges.clone_from(&ranges));
+        facts.stationary = ranges;
         assert!(fits(&facts_text(&facts)), "{}", facts_text(&facts));
         assert!(facts_text(&facts).contains("more; --json has them all"));
     }

@@ -68,7 +68,8 @@ pub fn retarget(clip: &Clip, onto: &Clip) -> Result<(Clip, RetargetReport), Reta
         report.shortfall = report.shortfall.max(if is_usable { shortfall } else { 0.0 });
     }
     let made = Clip::from_poses(&clip.name, Arc::clone(&onto.skeleton), clip.fps, &poses);
-    Ok((Clip { events: clip.events.clone(), usable: clip.usable, ..made }, report))
+    let (events, contacts) = (clip.events.clone(), clip.contacts.clone());
+    Ok((Clip { events, contacts, usable: clip.usable, ..made }, report))
 }
 
 fn source_frames(clip: &Clip, frame: usize) -> Vec<JointFrame> {

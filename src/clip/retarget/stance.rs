@@ -4,7 +4,7 @@ use glam::{DMat3, DQuat, DVec3};
 
 use crate::clip::Clip;
 use crate::clip::contacts::{
-    ContactSettings, FootPoint, foot_contacts, foot_point, percentile, sampled_frames,
+    ContactPoint, ContactSettings, contact_point, foot_contacts, percentile, sampled_frames,
 };
 use crate::clip::working::WORKING_STEP;
 use crate::skeleton::{JointFrame, JointRole, Skeleton};
@@ -15,6 +15,8 @@ const NEAR_AXIS: f64 = 0.906;
 const LEAST_AGREEMENT: f64 = 0.95;
 /// Of the frames in which both ends of a foot bear, one in so many, the lowest, is flat: in the others it rolls.
 const FLAT_PART: usize = 4;
+/// A foot whose only segment is steeper goes down to the sole, not ahead: the sine of 30°. Where it points the body tells.
+const LEAST_AHEAD: f64 = 0.5;
 /// Smaller bodies have no size, metres.
 const LEAST_SIZE: f64 = 1e-3;
 /// Share of the frames in which an ankle is lower than its floor, where no foot is ever flat.
@@ -59,14 +61,14 @@ impl Stance {
 }
 
 /// Ankle and toe point of a side.
-const POINTS: [[FootPoint; 2]; 2] =
-    [[FootPoint::LeftHeel, FootPoint::LeftToe], [FootPoint::RightHeel, FootPoint::RightToe]];
+const POINTS: [[ContactPoint; 2]; 2] =
+    [[ContactPoint::LeftHeel, ContactPoint::LeftToe], [ContactPoint::RightHeel, ContactPoint::RightToe]];
 
 /// Frames of the ankle where a foot stands flat, left and right: both ends bear, and are lowest.
 fn flat_feet(skeleton: &Skeleton, poses: &[Vec<JointFrame>]) -> [Vec<JointFrame>; 2] {
     let contacts = foot_contacts(skeleton, poses, poses, &ContactSettings::default());
     POINTS.map(|points| {
-        let [Some(ankle), Some(toe)] = points.map(|point| foot_point(skeleton, point)) else {
+        let [Some(ankle), Some(toe)] = points.map(|point| contact_point(skeleton, point)) else {
             return Vec::new();
         };
         let is_flat = |index: &usize| points.iter().all(|point| contacts[*index].at(*point));
@@ -82,8 +84,8 @@ fn flat_feet(skeleton: &Skeleton, poses: &[Vec<JointFrame>]) -> [Vec<JointFrame>
 }
 
 fn sole(skeleton: &Skeleton, side: usize, flat: &[JointFrame], body: DQuat) -> Option<Sole> {
-    let ankle = foot_point(skeleton, POINTS[side][0])?;
-    let toe = foot_point(skeleton, POINTS[side][1])?;
+    let ankle = contact_point(skeleton, POINTS[side][0])?;
+    let toe = contact_point(skeleton, POINTS[side][1])?;
     let mut to_toe = toe.local;
     let mut joint = toe.joint;
     while joint != ankle.joint {
@@ -94,7 +96,9 @@ fn sole(skeleton: &Skeleton, side: usize, flat: &[JointFrame], body: DQuat) -> O
     let mean = flat.iter().map(|frame| frame.rotation.inverse() * DVec3::Y).sum::<DVec3>();
     let agreed = mean.length() >= LEAST_AGREEMENT * flat.len() as f64;
     let up = mean.try_normalize().filter(|_| agreed).unwrap_or(body * DVec3::Y);
-    let ahead = to_toe.reject_from_normalized(up).try_normalize()?;
+    let along = to_toe.reject_from_normalized(up);
+    let is_told = along.length() > LEAST_AHEAD * to_toe.length();
+    let ahead = if is_told { along } else { (body * DVec3::Z).reject_from_normalized(up) }.try_normalize()?;
     let axes = DQuat::from_mat3(&DMat3::from_cols(up.cross(ahead), up, ahead)).normalize();
     Some(Sole { axes, toe: axes.inverse() * to_toe })
 }
@@ -106,7 +110,7 @@ fn ankle_height(skeleton: &Skeleton, poses: &[Vec<JointFrame>], flat: &[Vec<Join
         .filter(|frames| !frames.is_empty())
         .map(|frames| percentile(frames.iter().map(|frame| frame.position.y).collect(), 0.5));
     let floors = POINTS.iter().filter_map(|points| {
-        let ankle = foot_point(skeleton, points[0])?;
+        let ankle = contact_point(skeleton, points[0])?;
         Some(percentile(poses.iter().map(|frames| ankle.place(frames).y).collect(), FLOOR_SHARE))
     });
     medians.reduce(f64::min).or_else(|| floors.reduce(f64::min)).unwrap_or(0.0)
@@ -159,4 +163,29 @@ fn onto_axis(direction: DVec3) -> DVec3 {
     let unit = direction.normalize_or(DVec3::Y);
     let axes = [DVec3::X, DVec3::Y, DVec3::Z].into_iter().flat_map(|axis| [axis, -axis]);
     axes.into_iter().find(|axis| axis.dot(unit) > NEAR_AXIS).unwrap_or(unit)
+}
+
+#[cfg(test)]
+mod tests {
+    use std::collections::BTreeMap;
+    use std::sync::Arc;
+
+    use super::*;
+    use crate::clip::builtin::generate;
+
+    #[test]
+    fn a_foot_that_goes_straight_down_to_the_sole_points_where_the_body_looks() {
+        let walk = generate("walk", &BTreeMap::new()).expect("it is generated");
+        let mut skeleton = (*walk.skeleton).clone();
+        for role in [JointRole::LeftToe, JointRole::RightToe] {
+            let toe = skeleton.joint_of(role).expect("generated bodies have toes");
+            // A little aside, as captures have it.
+            skeleton.joints[toe.as_usize()].offset = DVec3::new(0.008, -0.08, -0.002);
+        }
+        let stance = Stance::of(&Clip { skeleton: Arc::new(skeleton), ..walk });
+        for sole in stance.soles {
+            let ahead = sole.expect("a foot has a sole").axes * DVec3::Z;
+            assert!(ahead.dot(stance.body * DVec3::Z) > 0.9, "{ahead}");
+        }
+    }
 }

@@ -7,7 +7,7 @@ use rayon::prelude::*;
 use super::axis::{mark_label, marks, round_step};
 use super::sheet_document;
 use super::svg::{GREY, INK, Rect, Sheet, TextStyle, clipped, number, tinted};
-use crate::clip::contacts::{FootContacts, runs};
+use crate::clip::contacts::{Contacts, runs};
 use crate::clip::working::{WORKING_STEP, WorkingClip};
 use crate::export::palette::colour;
 use crate::graph::MotionGraph;
@@ -79,9 +79,10 @@ fn draw_distances(sheet: &mut Sheet, working: &WorkingClip, largest: f64) {
         for (row, levels) in rows.iter().enumerate() {
             let own: Vec<bool> = levels.iter().map(|level| *level == shade).collect();
             for (first, last) in runs(&own) {
-                let (x, y) = (number(PLACE.x + first as f64 * size), number(PLACE.y + row as f64 * size));
-                let (w, h) = (number((last + 1 - first) as f64 * size), number(size));
-                let _ = write!(path, "M{x} {y}h{w}v{h}h-{w}z");
+                // Edges by their own places, not by lengths: neighbours round them alike.
+                let [left, right] = [first, last + 1].map(|cell| number(PLACE.x + cell as f64 * size));
+                let [top, bottom] = [row, row + 1].map(|cell| number(PLACE.y + cell as f64 * size));
+                let _ = write!(path, "M{left} {top}H{right}V{bottom}H{left}z");
             }
         }
         if !path.is_empty() {
@@ -146,8 +147,7 @@ fn draw_axes(sheet: &mut Sheet, working: &WorkingClip) {
 /// Bars along the top and the left edge while a foot bears.
 fn draw_feet(sheet: &mut Sheet, working: &WorkingClip) {
     let frame = PLACE.w / working.frame_count() as f64;
-    let bears: [fn(&FootContacts) -> bool; 2] =
-        [|c| c.left_heel || c.left_toe, |c| c.right_heel || c.right_toe];
+    let bears: [fn(&Contacts) -> bool; 2] = [|c| c.left_foot(), |c| c.right_foot()];
     for (foot, bears) in bears.iter().enumerate() {
         let fill = format!(r#"fill="{}""#, tinted(colour(foot), 0.0));
         let off = 13.0 - 6.0 * foot as f64;

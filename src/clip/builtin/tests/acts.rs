@@ -10,14 +10,16 @@ use crate::clip::builtin::body::{HEAD, PELVIS_HEIGHT};
 use crate::clip::builtin::mass::center_of_mass;
 
 /// Acts with curves whose feet never move.
-const STANDING: [&str; 7] = ["pick_up", "put_down", "hand_over", "take_over", "sit_down", "stand_up", "duck"];
+const STANDING: [&str; 8] =
+    ["pick_up", "put_down", "hand_over", "take_over", "sit_down", "stand_up", "duck", "cower"];
 /// Acts that begin, and acts that end, as an idle clip does.
-const FROM_IDLE: [&str; 8] =
-    ["pick_up", "take_over", "sit_down", "duck", "dodge", "jump", "jump_over", "back_flip"];
-const TO_IDLE: [&str; 8] =
-    ["put_down", "hand_over", "stand_up", "duck", "dodge", "jump", "jump_over", "back_flip"];
+const FROM_IDLE: [&str; 9] =
+    ["pick_up", "take_over", "sit_down", "duck", "cower", "dodge", "jump", "jump_over", "back_flip"];
+const TO_IDLE: [&str; 9] =
+    ["put_down", "hand_over", "stand_up", "duck", "cower", "dodge", "jump", "jump_over", "back_flip"];
 /// Acts with curves.
-const ALL: [&str; 11] = [
+const ALL: [&str; 12] = [
+    "cower",
     "pick_up",
     "put_down",
     "hand_over",
@@ -215,7 +217,7 @@ fn palms_are_on_the_sides_of_the_box_while_it_is_held() {
                 assert!((left.x - values["width"] / 2.0).abs() < ON_IT, "{name} {frame}: {left}");
                 assert!((left - right - DVec3::X * values["width"]).length() < ON_IT);
             }
-            if let Some(height) = values.get("height") {
+            if let Some(height) = values.get("height").filter(|_| values["on"] == 0.0) {
                 let grip = (height / 2.0_f64).max(0.1 * scale(clip));
                 let expected = DVec3::new(values["width"] / 2.0, grip, 0.40 * scale(clip));
                 assert!(palms(clip, event)[0].distance(expected) < ON_IT, "{name}");
@@ -234,6 +236,18 @@ fn a_box_goes_from_clip_to_clip_without_a_jump() {
         assert!(box_of(before, last(before)).distance(box_of(after, 0)) < ROUNDING);
         let (from, to) = (last_pose(before), after.pose(SourceFrame(0)));
         assert!(turn_between(&from.rotations, &to.rotations) < 1e-6);
+    }
+}
+
+#[test]
+fn a_box_is_put_as_high_as_what_it_is_put_on() {
+    let wrist = |clip: &Clip, frame: usize| trajectory(clip, JointRole::LeftHand)[frame].y;
+    for (on, height) in [(0.0, 0.3), (0.25, 0.5), (0.6, 0.5), (0.6, 0.15)] {
+        let picked = made("pick_up", &[("height", height)]);
+        let put = made("put_down", &[("height", height), ("on", on)]);
+        let from = wrist(&picked, picked.events["grasp"].as_usize());
+        let to = wrist(&put, put.events["release"].as_usize());
+        assert!((to - from - on).abs() < ROUNDING, "{on}: {}", to - from);
     }
 }
 
@@ -282,6 +296,21 @@ fn a_duck_lowers_the_head_as_far_as_asked() {
         let lowest = (0..clip.frame_count()).map(top).fold(f64::INFINITY, f64::min);
         assert!((top(0) - lowest - depth).abs() < 1e-6, "{depth}: {}", top(0) - lowest);
     }
+}
+
+#[test]
+fn who_cowers_is_half_as_tall() {
+    let clip = made("cower", &[]);
+    let top = |frame: usize| {
+        let frames = world(&clip, frame);
+        let ends = (0..frames.len()).filter_map(|joint| end_site(&clip, &frames, joint));
+        ends.chain(frames.iter().map(|joint| joint.position)).map(|place| place.y).fold(0.0, f64::max)
+    };
+    assert!(top(event_of(&clip, "low")) < 0.5 * top(0), "{}", top(event_of(&clip, "low")));
+}
+
+fn event_of(clip: &Clip, name: &str) -> usize {
+    clip.events[name].as_usize()
 }
 
 #[test]

@@ -73,6 +73,31 @@ fn who_pushes_leans_on_it_with_bent_arms() {
 }
 
 #[test]
+fn who_pushes_low_stoops_to_it() {
+    for height in [0.5, 0.65, 0.8] {
+        let clip = made("push", &[("height", height)]);
+        let shoulder = trajectory(&clip, JointRole::LeftShoulder);
+        let (grasp, release) = (event(&clip, "grasp"), event(&clip, "release"));
+        let [left, right] = hands(&clip);
+        for frame in grasp..=release {
+            assert!((left[frame].y - height).abs() < ROUNDING && (right[frame].y - height).abs() < ROUNDING);
+            let stretch = left[frame].distance(shoulder[frame]) / (body::UPPER_ARM + body::FOREARM);
+            assert!((0.6..0.97).contains(&stretch), "{frame}: {stretch}");
+        }
+    }
+}
+
+#[test]
+fn who_walks_ducked_is_lower_by_a_quarter_between_its_events() {
+    let clip = made("duck_walk", &[]);
+    let head = trajectory(&clip, JointRole::Head);
+    let (ducked, rising) = (event(&clip, "ducked"), event(&clip, "rising"));
+    assert!(ducked + 60 < rising);
+    assert!((ducked..=rising).all(|frame| head[frame].y < 0.75 * head[0].y));
+    assert!(head[clip.frame_count() - 1].y > 0.98 * head[0].y);
+}
+
+#[test]
 fn hands_may_hold_from_the_first_frame_to_the_last() {
     for name in ["carry", "push"] {
         let clip = made(name, &[("take", 0.0), ("give", 0.0)]);

@@ -5,6 +5,7 @@ mod detection;
 mod jumps;
 mod loads;
 mod run;
+mod turns;
 mod walks;
 
 use glam::{DQuat, DVec3};
@@ -27,6 +28,7 @@ fn many() -> Vec<Clip> {
     let mut clips: Vec<Clip> = names().map(|info| made(info.name, &[])).collect();
     clips.extend(walks::variants());
     clips.extend(acts::variants());
+    clips.extend(turns::variants());
     clips
 }
 

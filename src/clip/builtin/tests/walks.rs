@@ -8,19 +8,19 @@ use super::super::mass::center_of_mass;
 use super::*;
 
 /// Clips of locomotion.
-const LOCOMOTION: [&str; 5] = ["walk", "run", "side_step", "carry", "push"];
+const LOCOMOTION: [&str; 7] = ["walk", "run", "side_step", "carry_side", "carry", "push", "duck_walk"];
 
 /// Every corner of the ranges of all parameters but the length; who stops also starts, and who gives takes.
 static CORNERS: LazyLock<Vec<Clip>> = LazyLock::new(|| {
     let corners = LOCOMOTION.iter().flat_map(|name| {
         let info = info(name);
-        let bound = ["seconds", "stop", "give"];
+        let bound = ["seconds", "stop", "give", "up"];
         let free: Vec<_> = info.parameters.iter().filter(|free| !bound.contains(&free.name)).collect();
         (0..1_u32 << free.len()).map(move |corner| {
             let ends = free.iter().enumerate().flat_map(|(bit, parameter)| {
                 let (low, high) = parameter.range;
                 let end = if corner >> bit & 1 == 1 { high } else { low };
-                let also = [("start", "stop"), ("take", "give")].into_iter();
+                let also = [("start", "stop"), ("take", "give"), ("down", "up")].into_iter();
                 let also = also.filter(|(leader, _)| *leader == parameter.name).map(|(_, other)| other);
                 [parameter.name].into_iter().chain(also).map(move |name| (name, end))
             });
@@ -90,7 +90,7 @@ const FEET: [[JointRole; 2]; 2] =
     [[JointRole::LeftFoot, JointRole::LeftToe], [JointRole::RightFoot, JointRole::RightToe]];
 
 /// Fastest that a planted foot slides, metres a second.
-fn slide(clip: &Clip) -> f64 {
+pub(super) fn slide(clip: &Clip) -> f64 {
     let mut fastest: f64 = 0.0;
     for (contacts, foot) in contacts(clip).iter().zip(FEET) {
         let points = heel_and_toe(clip, foot);
@@ -118,7 +118,9 @@ fn planted_feet_do_not_slide() {
 fn feet_are_on_the_ground_as_long_as_in_that_gait() {
     /// Share of the time: a frame of the shortest cycles, which have 18; stances begin and end between frames.
     const TO_THE_FRAME: f64 = 0.06;
-    for (name, share) in [("walk", 0.61), ("carry", 0.61), ("push", 0.61), ("side_step", 0.62)] {
+    for (name, share) in
+        [("walk", 0.61), ("carry", 0.61), ("push", 0.61), ("side_step", 0.62), ("carry_side", 0.62)]
+    {
         for speed in [info(name).parameters[0].range.0, info(name).parameters[0].range.1] {
             let clip = steady(name, &[("speed", speed), ("seconds", 20.0)]);
             for contacts in contacts(&clip) {
@@ -244,8 +246,10 @@ fn neither_joints_nor_the_pelvis_jump_in_speed() {
         ("walk", 600.0, 8.5),
         ("run", 760.0, 23.0),
         ("side_step", 450.0, 7.5),
+        ("carry_side", 450.0, 7.5),
         ("carry", 600.0, 5.0),
         ("push", 280.0, 2.0),
+        ("duck_walk", 280.0, 2.0),
     ] {
         for clip in CORNERS.iter().filter(|clip| clip.name == name) {
             let (fastest, root) = accelerations(clip);
@@ -291,7 +295,7 @@ fn the_centre_of_mass_is_over_the_foot_that_stands() {
 
 #[test]
 fn a_foot_that_leaves_a_stand_or_comes_to_one_has_no_weight_on_it() {
-    for name in ["walk", "carry", "push", "side_step"] {
+    for name in ["walk", "carry", "push", "side_step", "carry_side"] {
         let clip = made(name, &[("start", 1.0), ("stop", 1.0)]);
         let body = Body::new(1.75);
         let [left, right] = contacts(&clip);

@@ -7,7 +7,7 @@ use super::super::strip::hull::{Disk, hull};
 use super::super::svg::{GREY, INK, Point, Rect, Sheet, TextStyle, tinted};
 use super::super::view::{View, is_drawable, towards};
 use super::{Drawn, FLIGHT, STATIONARY, foot_fill, foot_ink};
-use crate::clip::contacts::{FootPoint, runs};
+use crate::clip::contacts::{ContactPoint, runs};
 use crate::geometry::{c64, cis, lerp_angle, plan_of};
 use crate::path;
 
@@ -24,6 +24,8 @@ const TICKS: (f64, f64) = (12.0, 34.0);
 const TICK: f64 = 15.0;
 /// Heel to ball, half a heel's width, half a ball's, of a foot without a toe to measure, metres.
 const FOOT: [f64; 3] = [0.13, 0.034, 0.044];
+/// Radius of a hand's ring, metres.
+const HAND: f64 = 0.05;
 /// From the toe joint to the tip of the foot, metres.
 const TIP: f64 = 0.05;
 
@@ -45,6 +47,7 @@ pub(super) fn draw_ground(sheet: &mut Sheet, drawn: &Drawn, frame: Rect) {
             &format!(r#"fill="{fill}" fill-opacity="0.7" stroke="{ink}" stroke-width="0.7""#),
         );
     }
+    draw_hands(sheet, &view, drawn);
     draw_path(sheet, &view, drawn);
     draw_times(sheet, &view, drawn);
     sheet.close();
@@ -67,7 +70,7 @@ struct Footprint {
 fn footprints(drawn: &Drawn) -> Vec<Footprint> {
     let mut prints = Vec::new();
     for (heel, toe) in
-        [(FootPoint::LeftHeel, FootPoint::LeftToe), (FootPoint::RightHeel, FootPoint::RightToe)]
+        [(ContactPoint::LeftHeel, ContactPoint::LeftToe), (ContactPoint::RightHeel, ContactPoint::RightToe)]
     {
         let Some(ankles) = drawn.places(heel) else { continue };
         let contacts = &drawn.working.contacts;
@@ -82,7 +85,7 @@ fn footprints(drawn: &Drawn) -> Vec<Footprint> {
             let along = drawn.places(toe).map_or(facing, |toes| plan_of(toes[index]) - ankle);
             let ahead = if along.norm() > 1e-6 { along / along.norm() } else { facing / FOOT[0] };
             prints.push(Footprint {
-                is_left: heel == FootPoint::LeftHeel,
+                is_left: heel == ContactPoint::LeftHeel,
                 disks: [
                     (ankle - ahead * FOOT[1], FOOT[1]),
                     (ankle + along, FOOT[2]),
@@ -92,6 +95,26 @@ fn footprints(drawn: &Drawn) -> Vec<Footprint> {
         }
     }
     prints
+}
+
+/// A ring at the mean place of each time that a hand bears.
+fn draw_hands(sheet: &mut Sheet, view: &View, drawn: &Drawn) {
+    for hand in [ContactPoint::LeftHand, ContactPoint::RightHand] {
+        let Some(places) = drawn.places(hand) else { continue };
+        let ink = foot_ink(hand == ContactPoint::LeftHand);
+        let bears: Vec<bool> = drawn.working.contacts.iter().map(|contact| contact.at(hand)).collect();
+        for (first, last) in runs(&bears) {
+            let count = (last + 1 - first) as f64;
+            let middle = places[first..=last].iter().map(|place| plan_of(*place)).sum::<c64>() / count;
+            if is_drawable(middle) {
+                let radius = (HAND * view.scale).max(3.0);
+                let pen = format!(r#"fill="none" stroke="{ink}" stroke-width="2""#);
+                sheet.open("", "hand");
+                sheet.circle(view.place(middle), radius, &pen);
+                sheet.close();
+            }
+        }
+    }
 }
 
 /// A disk around each stationary stretch, with its length.

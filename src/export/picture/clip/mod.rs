@@ -10,7 +10,7 @@ use self::panels::draw_panels;
 use super::sheet_document;
 use super::svg::{GREY, INK, Point, Rect, Sheet, TextStyle, clipped, tinted};
 use crate::clip::Clip;
-use crate::clip::contacts::{FootPoint, foot_point};
+use crate::clip::contacts::{ContactPoint, contact_point};
 use crate::clip::measure::root_path;
 use crate::clip::working::WorkingClip;
 use crate::export::palette::colour;
@@ -22,8 +22,8 @@ struct Drawn {
     working: WorkingClip,
     /// Time of each working frame in the file, seconds: of its frame 0 is 0.
     times: Vec<f64>,
-    /// Points of the feet that the skeleton has, and where they are, metres.
-    feet: Vec<(FootPoint, Vec<DVec3>)>,
+    /// Points of the feet that the skeleton has, and hands that bear, and where they are, metres.
+    points: Vec<(ContactPoint, Vec<DVec3>)>,
     /// Root on the ground per second, m/s.
     speeds: Vec<f64>,
 }
@@ -38,11 +38,13 @@ const HEIGHT: f64 = 606.0;
 /// Shades of flights and of stationary stretches.
 const FLIGHT: &str = "#ffe9c2";
 const STATIONARY: &str = "#e3e9f1";
+/// Ground higher than the floor.
+const RAISED: &str = "#d9c9ae";
 /// Steps to each side over which a speed is taken, working frames: a ninth of a second in all.
 const SPEED_REACH: usize = 2;
 
-/// SVG of one clip, 1120 px wide: on the left its path from above with facings, footprints and times, on the right heights
-/// of its feet with contacts, and its speed. Equal clips give equal text.
+/// SVG of one clip, 1120 px wide: on the left its path from above with facings, prints of feet and hands, and times, on the
+/// right heights of its feet with contacts and the ground off the floor, and its speed. Equal clips give equal text.
 ///
 /// # Panics
 /// If the clip has no frames.
@@ -62,25 +64,29 @@ impl Drawn {
         let working = WorkingClip::new(&clip.name, Arc::new(clip.clone()), first, last);
         let count = working.frame_count();
         let times = (0..count).map(|index| working.source_frame(index as f64) / clip.fps).collect();
-        let points: Vec<_> = FootPoint::ALL
+        let is_drawn = |point: &ContactPoint| {
+            ContactPoint::FEET.contains(point) || working.contacts.iter().any(|contact| contact.at(*point))
+        };
+        let joints: Vec<_> = ContactPoint::ALL
             .into_iter()
-            .filter_map(|point| Some((point, foot_point(&clip.skeleton, point)?)))
+            .filter(is_drawn)
+            .filter_map(|point| Some((point, contact_point(&clip.skeleton, point)?)))
             .collect();
-        let mut feet: Vec<(FootPoint, Vec<DVec3>)> =
-            points.iter().map(|(point, _)| (*point, Vec::with_capacity(count))).collect();
+        let mut points: Vec<(ContactPoint, Vec<DVec3>)> =
+            joints.iter().map(|(point, _)| (*point, Vec::with_capacity(count))).collect();
         for index in 0..count {
             let frames = clip.skeleton.forward_kinematics(&working.pose(index as f64));
-            for ((_, places), (_, point)) in feet.iter_mut().zip(&points) {
+            for ((_, places), (_, point)) in points.iter_mut().zip(&joints) {
                 places.push(point.place(&frames));
             }
         }
         let speeds = speeds(&working, clip.fps);
-        Self { working, times, feet, speeds }
+        Self { working, times, points, speeds }
     }
 
-    /// Where a point of a foot is; `None` where the skeleton does not have it.
-    fn places(&self, point: FootPoint) -> Option<&[DVec3]> {
-        self.feet.iter().find(|(own, _)| *own == point).map(|(_, places)| places.as_slice())
+    /// Where a point of a foot or a hand that bears is; `None` where the skeleton does not have it.
+    fn places(&self, point: ContactPoint) -> Option<&[DVec3]> {
+        self.points.iter().find(|(own, _)| *own == point).map(|(_, places)| places.as_slice())
     }
 }
 
@@ -130,8 +136,9 @@ fn write_legend(sheet: &mut Sheet) {
     sheet.circle(tick[0], 2.4, &format!(r#"fill="{INK}""#));
     sheet.text([tick[1][0] + 6.0, y], style, "place and facing at a time; later is darker");
     swatch(sheet, CHARTS.x, FLIGHT, "in flight");
-    swatch(sheet, CHARTS.x + 100.0, STATIONARY, "stationary");
-    sheet.text([CHARTS.x + 215.0, y], style, "bars: heel (upper) and toe (lower) on the ground");
+    swatch(sheet, CHARTS.x + 96.0, STATIONARY, "stationary");
+    swatch(sheet, CHARTS.x + 200.0, RAISED, "ground off the floor");
+    sheet.text([CHARTS.x + 345.0, y], style, "bars: heel, toe, stated hand bear");
 }
 
 /// Colours of what is of a foot: for lines, for areas.

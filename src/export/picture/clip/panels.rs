@@ -2,8 +2,8 @@
 
 use super::super::axis::{mark_label, marks, round_step};
 use super::super::svg::{GREY, INK, Point, Rect, Sheet, TextStyle, text_width};
-use super::{Drawn, FLIGHT, STATIONARY, foot_ink};
-use crate::clip::contacts::{FootPoint, percentile, runs};
+use super::{Drawn, FLIGHT, RAISED, STATIONARY, foot_ink};
+use crate::clip::contacts::{ContactPoint, percentile, runs};
 
 /// A chart over the time of the file.
 struct Panel {
@@ -31,12 +31,13 @@ pub(super) fn draw_panels(sheet: &mut Sheet, drawn: &Drawn, place: Rect) {
     let h = (place.h - 2.0 * (TITLE + BARS)) / 3.0;
     let frame = |row: f64, above: f64| Rect { y: place.y + row * (h + TITLE) + above, h, ..place };
     let floor = floor(drawn);
-    let heights = drawn.feet.iter().flat_map(|(_, places)| places.iter().map(|place| place.y - floor));
+    let feet = drawn.points.iter().filter(|(point, _)| ContactPoint::FEET.contains(point));
+    let heights = feet.flat_map(|(_, places)| places.iter().map(|place| place.y - floor));
     let highest = heights.fold(LEAST.0, f64::max) * 1.06;
     let fastest = drawn.speeds.iter().copied().fold(LEAST.1, f64::max) * 1.08;
     let feet = [
-        ("left foot: height, m", [FootPoint::LeftHeel, FootPoint::LeftToe]),
-        ("right foot: height, m", [FootPoint::RightHeel, FootPoint::RightToe]),
+        ("left foot: height, m", [ContactPoint::LeftHeel, ContactPoint::LeftToe, ContactPoint::LeftHand]),
+        ("right foot: height, m", [ContactPoint::RightHeel, ContactPoint::RightToe, ContactPoint::RightHand]),
     ];
     for (row, (title, points)) in feet.into_iter().enumerate() {
         let above = row as f64 * BARS;
@@ -56,27 +57,44 @@ fn floor(drawn: &Drawn) -> f64 {
     let low = |places: &Vec<glam::DVec3>| {
         percentile(places.iter().map(|place| place.y).collect(), FLOOR_PERCENTILE)
     };
-    drawn.feet.iter().map(|(_, places)| low(places)).reduce(f64::min).unwrap_or(0.0)
+    let feet = drawn.points.iter().filter(|(point, _)| ContactPoint::FEET.contains(point));
+    feet.map(|(_, places)| low(places)).reduce(f64::min).unwrap_or(0.0)
 }
 
-/// Heights of heel and toe, and bars below while they bear.
-fn draw_foot(sheet: &mut Sheet, panel: &Panel, drawn: &Drawn, (points, floor): ([FootPoint; 2], f64)) {
-    let ink = foot_ink(points[0] == FootPoint::LeftHeel);
-    let edge = panel.frame.y + panel.frame.h;
-    for point in points {
+/// Ground off the floor, heights of heel and toe, and bars below while they, or the hand of the side, bear.
+fn draw_foot(sheet: &mut Sheet, panel: &Panel, drawn: &Drawn, (points, floor): ([ContactPoint; 3], f64)) {
+    let ink = foot_ink(points[0] == ContactPoint::LeftHeel);
+    draw_grounds(sheet, panel, drawn, points);
+    for (point, (name, bar, dash)) in points.into_iter().zip(ROWS) {
         let Some(places) = drawn.places(point) else { continue };
-        let heights: Vec<f64> = places.iter().map(|place| place.y - floor).collect();
-        let (dash, bar) = if point.is_toe() { (r#" stroke-dasharray="4 2.5""#, 14.0) } else { ("", 7.0) };
-        panel.line(sheet, &drawn.times, &heights, &format!(r#"stroke="{ink}" stroke-width="1.5"{dash}"#));
-        let name = if point.is_toe() { "toe" } else { "heel" };
+        if ContactPoint::FEET.contains(&point) {
+            let heights: Vec<f64> = places.iter().map(|place| place.y - floor).collect();
+            let pen = format!(r#"stroke="{ink}" stroke-width="1.5"{dash}"#);
+            panel.line(sheet, &drawn.times, &heights, &pen);
+        }
+        let top = panel.frame.y + panel.frame.h + bar;
         let style = TextStyle { size: 9.0, colour: GREY, anchor: "end", halo: false };
-        sheet.text([panel.frame.x - 6.0, edge + bar + 5.4], style, name);
+        sheet.text([panel.frame.x - 6.0, top + 5.4], style, name);
         let bears: Vec<bool> = drawn.working.contacts.iter().map(|contact| contact.at(point)).collect();
-        for (first, last) in runs(&bears) {
-            let (from, to) = panel.span(drawn, (first, last));
-            let place = Rect { x: from, y: edge + bar, w: (to - from).max(1.0), h: 5.0 };
+        for run in runs(&bears) {
+            let (from, to) = panel.span(drawn, run);
+            let place = Rect { x: from, y: top, w: (to - from).max(1.0), h: 5.0 };
             sheet.rect(place, &format!(r#"fill="{ink}""#));
         }
+    }
+}
+
+/// Heel, toe, hand: name, distance of the bar from the chart, px, and how the line is broken.
+const ROWS: [(&str, f64, &str); 3] =
+    [("heel", 7.0, ""), ("toe", 14.0, r#" stroke-dasharray="4 2.5""#), ("hand", 21.0, "")];
+
+/// Shades from the floor up to what `points` rest on.
+fn draw_grounds(sheet: &mut Sheet, panel: &Panel, drawn: &Drawn, points: [ContactPoint; 3]) {
+    for ground in drawn.working.grounds.iter().filter(|ground| points.contains(&ground.point)) {
+        let (from, to) = panel.span(drawn, (ground.first, ground.last));
+        let (top, bottom) = (panel.y(ground.height), panel.y(0.0));
+        let place = Rect { x: from, y: top, w: to - from, h: bottom - top };
+        sheet.rect(place, &format!(r#"fill="{RAISED}""#));
     }
 }
 

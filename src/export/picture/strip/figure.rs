@@ -8,7 +8,7 @@ use glam::DVec3;
 use super::fit::{Foot, fit_foot, fit_head, ground};
 use super::landmarks::{Axes, Landmarks, Sides};
 use crate::clip::Clip;
-use crate::clip::contacts::{FootPoint, foot_point, sampled_frames};
+use crate::clip::contacts::{ContactPoint, contact_point, sampled_frames};
 use crate::clip::roles::is_helper;
 use crate::clip::working::WORKING_STEP;
 use crate::export::gltf::body_mesh::body_scale;
@@ -96,9 +96,11 @@ impl<'a> Figure<'a> {
         let scale = body_scale(skeleton, &rest);
         let ground = ground(skeleton, &poses, scale);
         let feet = Sides::each(|side| {
-            let (heel, toe) = side
-                .pick((FootPoint::LeftHeel, FootPoint::LeftToe), (FootPoint::RightHeel, FootPoint::RightToe));
-            fit_foot(&poses, foot_point(skeleton, heel)?, foot_point(skeleton, toe), (ground, scale))
+            let (heel, toe) = side.pick(
+                (ContactPoint::LeftHeel, ContactPoint::LeftToe),
+                (ContactPoint::RightHeel, ContactPoint::RightToe),
+            );
+            fit_foot(&poses, contact_point(skeleton, heel)?, contact_point(skeleton, toe), (ground, scale))
         });
         Self { skeleton, scale, ground, feet, head: fit_head(skeleton, &poses) }
     }

@@ -3,7 +3,7 @@
 use glam::DVec3;
 
 use super::landmarks::{Axes, Landmarks};
-use crate::clip::contacts::{BodyPoint, FootPoint, foot_point, percentile};
+use crate::clip::contacts::{BodyPoint, ContactPoint, contact_point, percentile};
 use crate::index::{JointId, floor_index};
 use crate::skeleton::{JointFrame, JointRole, Skeleton};
 
@@ -31,13 +31,13 @@ const UPRIGHT: f64 = 0.8;
 
 /// Height of the ground: below the lowest foot, else below the lowest joint.
 pub(super) fn ground(skeleton: &Skeleton, poses: &[Vec<JointFrame>], scale: f64) -> f64 {
-    let floor = |point: FootPoint| {
-        let at = foot_point(skeleton, point)?;
+    let floor = |point: ContactPoint| {
+        let at = contact_point(skeleton, point)?;
         let heights = poses.iter().map(|frames| at.place(frames).y).collect();
         let above = if point.is_toe() { TOE_HEIGHT } else { ANKLE_HEIGHT };
         Some((point.is_toe(), percentile(heights, GROUND_PERCENTILE) - above * scale))
     };
-    let floors: Vec<(bool, f64)> = FootPoint::ALL.into_iter().filter_map(floor).collect();
+    let floors: Vec<(bool, f64)> = ContactPoint::FEET.into_iter().filter_map(floor).collect();
     let has_toes = floors.iter().any(|(is_toe, _)| *is_toe);
     let lowest = floors.iter().filter(|(is_toe, _)| *is_toe == has_toes).map(|(_, floor)| *floor);
     lowest

@@ -3,6 +3,7 @@
 //! Poses that travel stand at their real distance where they do not cover each other, else they are spaced evenly. Frames
 //! that events name are among them.
 
+mod bearing;
 mod camera;
 mod figure;
 mod fit;
@@ -15,6 +16,7 @@ mod things;
 pub use camera::StripView;
 pub use things::{Company, StripThing};
 
+use self::bearing::{Bearing, Bearings};
 use self::camera::Camera;
 use self::figure::{Figure, Group};
 use self::layout::{Layout, Span, chosen_frames};
@@ -50,6 +52,7 @@ struct Posed {
     groups: Vec<Group>,
     /// What it covers around its origin, metres.
     span: Span,
+    bearing: Vec<Bearing>,
 }
 
 /// Around everything, px.
@@ -71,12 +74,13 @@ const EVENTS: f64 = 18.0;
 pub fn strip_svg(clip: &Clip, company: &Company, options: &StripOptions) -> String {
     let figure = Figure::new(clip);
     let camera = Camera::new(options.view, heading(clip));
+    let bearings = Bearings::of(clip);
     let frames = chosen_frames(clip, options.poses);
     let partners = things::partners(clip, company, &frames);
     let posed: Vec<Posed> = frames
         .into_iter()
         .map(|frame| {
-            let mut own = posed(clip, &figure, frame);
+            let mut own = posed(clip, &figure, (frame, &bearings));
             own.groups.extend(things::groups(company.things, frame.as_usize(), own.origin));
             own.groups.extend(things::partner_groups(&partners, frame, own.origin));
             own.span = span(&own, &camera);
@@ -111,10 +115,11 @@ fn heading(clip: &Clip) -> f64 {
     if way.norm() > LEAST_WAY && (way.arg() - facing).cos() > AHEAD { way.arg() } else { facing }
 }
 
-fn posed(clip: &Clip, figure: &Figure, frame: SourceFrame) -> Posed {
+fn posed(clip: &Clip, figure: &Figure, (frame, bearings): (SourceFrame, &Bearings)) -> Posed {
     let frames = clip.skeleton.forward_kinematics(&clip.pose(frame));
     let origin = frames[0].position.with_y(figure.ground);
-    Posed { frame, origin, groups: figure.groups(&frames), span: Span::default() }
+    let bearing = bearings.at(frame, &frames, figure.ground);
+    Posed { frame, origin, groups: figure.groups(&frames), span: Span::default(), bearing }
 }
 
 fn span(pose: &Posed, camera: &Camera) -> Span {
@@ -168,7 +173,9 @@ fn draw_row(painter: &mut Painter, clip: &Clip, posed: &[Posed], (layout, row): 
     for (index, stand) in &stands {
         let pose = &posed[*index];
         painter.sheet.open("", &format!("frame {}", pose.frame.0));
+        painter.grounds(&pose.bearing, stand);
         painter.body(&pose.groups, stand);
+        painter.bearing(&pose.bearing, stand);
         painter.sheet.close();
         label(painter.sheet, clip, pose.frame, [stand.at[0] + layout.label_offset(pose.span), bottom]);
     }

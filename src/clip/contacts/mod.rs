@@ -1,6 +1,10 @@
-//! Foot contacts of a clip.
+//! Contacts of a clip: which points of the feet bear on the ground, and where somebody says that hands do.
 //!
-//! Heights and speeds with hysteresis; the thresholds were measured on captures.
+//! Heights and speeds with hysteresis; the thresholds were measured on captures. That finds feet on a flat floor;
+//! [`raised`] finds those that rest on something higher, [`annotated`] has what is stated.
+
+pub mod annotated;
+pub mod raised;
 
 use glam::DVec3;
 
@@ -9,65 +13,100 @@ use crate::clip::working::WORKING_STEP;
 use crate::index::{JointId, SourceFrame, floor_index};
 use crate::skeleton::{JointFrame, JointRole, Skeleton};
 
-/// Which points of the feet bear on the ground in one frame.
+/// Which points of the body bear in one frame.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[expect(missing_docs, reason = "the names say it")]
-pub struct FootContacts {
+pub struct Contacts {
     pub left_heel: bool,
     pub left_toe: bool,
     pub right_heel: bool,
     pub right_toe: bool,
+    pub left_hand: bool,
+    pub right_hand: bool,
 }
 
-impl FootContacts {
+impl Contacts {
     /// Whether `point` bears.
-    pub const fn at(self, point: FootPoint) -> bool {
+    pub const fn at(self, point: ContactPoint) -> bool {
         match point {
-            FootPoint::LeftHeel => self.left_heel,
-            FootPoint::LeftToe => self.left_toe,
-            FootPoint::RightHeel => self.right_heel,
-            FootPoint::RightToe => self.right_toe,
+            ContactPoint::LeftHeel => self.left_heel,
+            ContactPoint::LeftToe => self.left_toe,
+            ContactPoint::RightHeel => self.right_heel,
+            ContactPoint::RightToe => self.right_toe,
+            ContactPoint::LeftHand => self.left_hand,
+            ContactPoint::RightHand => self.right_hand,
         }
     }
 
     /// Says whether `point` bears.
-    pub const fn set(&mut self, point: FootPoint, bears: bool) {
+    pub const fn set(&mut self, point: ContactPoint, bears: bool) {
         match point {
-            FootPoint::LeftHeel => self.left_heel = bears,
-            FootPoint::LeftToe => self.left_toe = bears,
-            FootPoint::RightHeel => self.right_heel = bears,
-            FootPoint::RightToe => self.right_toe = bears,
+            ContactPoint::LeftHeel => self.left_heel = bears,
+            ContactPoint::LeftToe => self.left_toe = bears,
+            ContactPoint::RightHeel => self.right_heel = bears,
+            ContactPoint::RightToe => self.right_toe = bears,
+            ContactPoint::LeftHand => self.left_hand = bears,
+            ContactPoint::RightHand => self.right_hand = bears,
         }
     }
 
-    /// Whether any point of any foot bears.
+    /// Whether any foot or hand bears.
     pub const fn any(self) -> bool {
-        self.left_heel || self.left_toe || self.right_heel || self.right_toe
+        self.left_foot() || self.right_foot() || self.left_hand || self.right_hand
     }
 
     /// Whether any point of each foot bears.
     pub const fn both_feet(self) -> bool {
-        (self.left_heel || self.left_toe) && (self.right_heel || self.right_toe)
+        self.left_foot() && self.right_foot()
+    }
+
+    /// Whether any point of the left foot bears.
+    pub const fn left_foot(self) -> bool {
+        self.left_heel || self.left_toe
+    }
+
+    /// Whether any point of the right foot bears.
+    pub const fn right_foot(self) -> bool {
+        self.right_heel || self.right_toe
     }
 }
 
-/// A point of a foot that can bear: the heel is the ankle joint, the toe the toe joint or, without one, the end of the foot.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+/// A point of the body that can bear: the heel is the ankle joint, the toe the toe joint or, without one, the end of the
+/// foot, the hand its joint or, without one, the end of the forearm.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 #[expect(missing_docs, reason = "the names say it")]
-pub enum FootPoint {
+pub enum ContactPoint {
     LeftHeel,
     LeftToe,
     RightHeel,
     RightToe,
+    LeftHand,
+    RightHand,
 }
 
-impl FootPoint {
-    /// All four, in the order of [`FootContacts`].
-    pub const ALL: [Self; 4] = [Self::LeftHeel, Self::LeftToe, Self::RightHeel, Self::RightToe];
+impl ContactPoint {
+    /// All six, in the order of [`Contacts`].
+    pub const ALL: [Self; 6] =
+        [Self::LeftHeel, Self::LeftToe, Self::RightHeel, Self::RightToe, Self::LeftHand, Self::RightHand];
+
+    /// Those of the feet, whose contacts are found.
+    pub const FEET: [Self; 4] = [Self::LeftHeel, Self::LeftToe, Self::RightHeel, Self::RightToe];
 
     /// Whether it is a toe.
     pub const fn is_toe(self) -> bool {
         matches!(self, Self::LeftToe | Self::RightToe)
+    }
+
+    /// The role of its joint, where the skeleton has that joint.
+    pub const fn role(self) -> JointRole {
+        match self {
+            Self::LeftHeel => JointRole::LeftFoot,
+            Self::LeftToe => JointRole::LeftToe,
+            Self::RightHeel => JointRole::RightFoot,
+            Self::RightToe => JointRole::RightToe,
+            Self::LeftHand => JointRole::LeftHand,
+            Self::RightHand => JointRole::RightHand,
+        }
     }
 }
 
@@ -101,6 +140,13 @@ impl Default for ContactSettings {
     }
 }
 
+impl ContactSettings {
+    /// Below this height above its ground `point` bears, metres.
+    const fn height(&self, point: ContactPoint) -> f64 {
+        if point.is_toe() { self.toe_height } else { self.heel_height }
+    }
+}
+
 /// Share of the frames in which a point is lower than its floor.
 const FLOOR_PERCENTILE: f64 = 0.01;
 
@@ -125,20 +171,16 @@ impl BodyPoint {
 }
 
 /// Where `point` sits on `skeleton`; `None` where the skeleton does not have it.
-pub fn foot_point(skeleton: &Skeleton, point: FootPoint) -> Option<BodyPoint> {
-    let at_joint = |joint| BodyPoint { joint, local: DVec3::ZERO };
-    match point {
-        FootPoint::LeftHeel => skeleton.joint_of(JointRole::LeftFoot).map(at_joint),
-        FootPoint::RightHeel => skeleton.joint_of(JointRole::RightFoot).map(at_joint),
-        FootPoint::LeftToe => {
-            let toe = skeleton.joint_of(JointRole::LeftToe).map(at_joint);
-            toe.or_else(|| end_of(skeleton, skeleton.joint_of(JointRole::LeftFoot)?))
-        }
-        FootPoint::RightToe => {
-            let toe = skeleton.joint_of(JointRole::RightToe).map(at_joint);
-            toe.or_else(|| end_of(skeleton, skeleton.joint_of(JointRole::RightFoot)?))
-        }
-    }
+pub fn contact_point(skeleton: &Skeleton, point: ContactPoint) -> Option<BodyPoint> {
+    let own = skeleton.joint_of(point.role()).map(|joint| BodyPoint { joint, local: DVec3::ZERO });
+    let above = match point {
+        ContactPoint::LeftToe => JointRole::LeftFoot,
+        ContactPoint::RightToe => JointRole::RightFoot,
+        ContactPoint::LeftHand => JointRole::LeftElbow,
+        ContactPoint::RightHand => JointRole::RightElbow,
+        ContactPoint::LeftHeel | ContactPoint::RightHeel => return own,
+    };
+    own.or_else(|| end_of(skeleton, skeleton.joint_of(above)?))
 }
 
 /// End of the segment of `joint`, without stray end sites.
@@ -156,7 +198,7 @@ pub fn sampled_frames(clip: &Clip, first: SourceFrame, last: SourceFrame, step: 
         .collect()
 }
 
-/// Contacts of successive poses, [`WORKING_STEP`] apart.
+/// Contacts of the feet with a flat floor in successive poses, [`WORKING_STEP`] apart.
 ///
 /// `poses`: world frames of all joints of each. `floor_poses`: the poses whose lowest heights are each point's floor
 /// (its 1st percentile); mostly the same ones.
@@ -165,15 +207,14 @@ pub fn foot_contacts(
     poses: &[Vec<JointFrame>],
     floor_poses: &[Vec<JointFrame>],
     settings: &ContactSettings,
-) -> Vec<FootContacts> {
-    let mut contacts = vec![FootContacts::default(); poses.len()];
-    for point in FootPoint::ALL {
-        let Some(at) = foot_point(skeleton, point) else {
+) -> Vec<Contacts> {
+    let mut contacts = vec![Contacts::default(); poses.len()];
+    for point in ContactPoint::FEET {
+        let Some(at) = contact_point(skeleton, point) else {
             continue;
         };
         let places: Vec<DVec3> = poses.iter().map(|frames| at.place(frames)).collect();
-        let heights = floor_poses.iter().map(|frames| at.place(frames).y).collect();
-        let floor = percentile(heights, FLOOR_PERCENTILE);
+        let floor = floor_of(&at, floor_poses);
         for (contact, bears) in contacts.iter_mut().zip(bearing(&places, floor, point, settings)) {
             contact.set(point, bears);
         }
@@ -181,24 +222,38 @@ pub fn foot_contacts(
     contacts
 }
 
-/// When one point bears: hysteresis, then gaps filled, then short contacts dropped.
-fn bearing(places: &[DVec3], floor: f64, point: FootPoint, settings: &ContactSettings) -> Vec<bool> {
-    let height = if point.is_toe() { settings.toe_height } else { settings.heel_height };
+/// Height of a point of a foot that stands on the floor, metres: its 1st percentile over `floor_poses`.
+fn floor_of(point: &BodyPoint, floor_poses: &[Vec<JointFrame>]) -> f64 {
+    percentile(floor_poses.iter().map(|frames| point.place(frames).y).collect(), FLOOR_PERCENTILE)
+}
+
+/// When one point bears on the floor: hysteresis, then gaps filled, then short contacts dropped.
+fn bearing(places: &[DVec3], floor: f64, point: ContactPoint, settings: &ContactSettings) -> Vec<bool> {
+    let heights: Vec<f64> = places.iter().map(|place| place.y - floor).collect();
     let speeds = speeds(places, WORKING_STEP);
+    let mut labels = latched(&heights, &speeds, settings.height(point), settings);
+    tidy(&mut labels, settings);
+    labels
+}
+
+/// When a point is low and slow; once it is, up to `settings.hysteresis` times both thresholds.
+fn latched(heights: &[f64], speeds: &[f64], height: f64, settings: &ContactSettings) -> Vec<bool> {
     let mut bears = false;
-    let mut labels: Vec<bool> = places
+    heights
         .iter()
-        .zip(&speeds)
-        .map(|(place, speed)| {
+        .zip(speeds)
+        .map(|(own, speed)| {
             let slack = if bears { settings.hysteresis } else { 1.0 };
-            bears = place.y - floor < slack * height && *speed < slack * settings.speed;
+            bears = *own < slack * height && *speed < slack * settings.speed;
             bears
         })
-        .collect();
-    fill_gaps(&mut labels, settings.longest_gap);
-    // A range shorter than the shortest contact may be all contact.
-    drop_short(&mut labels, settings.shortest_contact.min(places.len()));
-    labels
+        .collect()
+}
+
+/// Fills gaps, then drops short contacts. A range shorter than the shortest contact may be all contact.
+fn tidy(labels: &mut [bool], settings: &ContactSettings) {
+    fill_gaps(labels, settings.longest_gap);
+    drop_short(labels, settings.shortest_contact.min(labels.len()));
 }
 
 /// Speed at each of successive places `step` seconds apart, m/s: central differences, one-sided at the ends.
@@ -282,7 +337,7 @@ mod tests {
     fn a_contact_leaves_later_than_it_starts() {
         let heights = [0.06, 0.06, 0.04, 0.04, 0.06, 0.07, 0.08, 0.08, 0.06, 0.06];
         let places: Vec<DVec3> = heights.iter().map(|&height| DVec3::Y * height).collect();
-        let labels = bearing(&places, 0.0, FootPoint::LeftToe, &ContactSettings::default());
+        let labels = bearing(&places, 0.0, ContactPoint::LeftToe, &ContactSettings::default());
         assert_eq!(runs(&labels), vec![(2, 5)]);
     }
 }

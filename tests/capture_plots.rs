@@ -1,0 +1,365 @@
+//! What the scenes on real capture say of their plots, measured on the finished bodies: order and touches of the
+//! adventure, obstacles cleared, hands on the beam for two. Reported as skipped where there is no capture.
+
+use std::path::{Path, PathBuf};
+
+use cotillion::clip::contacts::{ContactPoint, contact_point};
+use cotillion::clip::working::WORKING_STEP;
+use cotillion::discrete::outcome::Outcome;
+use cotillion::edit::{Edit, Editor};
+use cotillion::embody::{Embodied, embody};
+use cotillion::export::report::{Report, report};
+use cotillion::geometry::wrap;
+use cotillion::index::{CharacterId, JointId, ObjectId};
+use cotillion::object::ObjectPose;
+use cotillion::object_motion::{ObjectMotion, Owner, Performance, object_motions, skeleton_of};
+use cotillion::resample::resample;
+use cotillion::scene::{ClipFolders, Scene, load};
+use cotillion::skeleton::{JointFrame, JointRole};
+use glam::DVec3;
+use libtest_mimic::{Arguments, Failed, Trial};
+
+/// Hard times hold to this, seconds.
+const SAME_TIME: f64 = 1e-9;
+/// What the project promises of end effectors and of hands on what they carry, metres.
+const TOUCH: f64 = 1e-3;
+/// What it promises of objects that change hands, metres and radians.
+const CONTINUOUS: f64 = 1e-9;
+/// From the wrist to what the palm touches, metres: hands hold what they carry no farther off.
+const PALM: f64 = 0.1;
+/// Half the thickness of a forearm, metres: bones keep so far from obstacles.
+const FLESH: f64 = 0.04;
+/// Bones of people who only pass keep so far apart, metres: twice the flesh, and some air.
+const AIR: f64 = 0.12;
+/// Rounding of mean speeds of feet, m/s.
+const SPEED_ROUNDING: f64 = 1e-9;
+
+type Check = fn(&Played<'_>) -> Result<(), Failed>;
+
+const CHECKS: [(&str, &str, Check); 11] = [
+    ("adventure", "comes to pass in the order of the plot", order),
+    ("adventure", "touches are exact at their moments", touches),
+    ("adventure", "dan is in the air above cid, who is on the floor", above),
+    ("adventure", "obstacles are cleared where they stand", obstacles),
+    ("adventure", "nobody runs through anybody", apart),
+    ("adventure", "nothing is out of reach, and feet slide no more than captured", sound),
+    ("carry", "four hands stay on the beam", hands),
+    ("carry", "the beam never jumps and comes to lie on the far blocks", beam),
+    ("carry", "carriers stay opposite the ends of the beam", opposite),
+    ("carry", "both grasp together and both let go together", together),
+    ("carry", "nothing is out of reach, and feet slide no more than captured", sound),
+];
+
+fn main() {
+    let mut arguments = Arguments::from_args();
+    arguments.test_threads = Some(1);
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let capture = capture_folder(root);
+    let trials = CHECKS.map(|(scene, promise, check)| {
+        let path = root.join(format!("scenes/capture/{scene}.toml"));
+        let folders = ClipFolders { mocap: capture.clone() };
+        Trial::test(format!("{scene}: {promise}"), move || play(&path, &folders, check))
+            .with_ignored_flag(capture.is_none())
+    });
+    libtest_mimic::run(&arguments, trials.into()).exit();
+}
+
+/// Real capture: what `$COTILLION_MOCAP` says, else `../shared/mocap`.
+fn capture_folder(root: &Path) -> Option<PathBuf> {
+    let named = std::env::var_os("COTILLION_MOCAP").map(PathBuf::from);
+    named.or_else(|| Some(root.join("../shared/mocap"))).filter(|folder| folder.is_dir())
+}
+
+/// A scene with everybody's finished body.
+struct Played<'a> {
+    scene: &'a Scene,
+    bodies: Embodied<'a>,
+    objects: Vec<ObjectMotion>,
+    report: Report,
+}
+
+fn play(path: &Path, folders: &ClipFolders, check: Check) -> Result<(), Failed> {
+    let scene = load(path, folders).map_err(|faults| faults.to_string())?.scene;
+    let mut editor = Editor::new(scene.clone()).map_err(|error| error.to_string())?;
+    let edit: &Edit = editor.solve().map_err(|error| error.to_string())?;
+    let mut resampled = resample(&scene, edit).map_err(|error| error.to_string())?;
+    let bodies = embody(&scene, edit, &mut resampled);
+    let objects = object_motions(&scene, &bodies.moved);
+    let report = report(&bodies, &Outcome::plain((scene.clone(), edit.clone())), &resampled);
+    check(&Played { scene: &scene, bodies, objects, report })
+}
+
+fn ensure(holds: bool, otherwise: impl FnOnce() -> String) -> Result<(), Failed> {
+    if holds { Ok(()) } else { Err(otherwise().into()) }
+}
+
+impl Played<'_> {
+    fn who(&self, name: &str) -> CharacterId {
+        let place = self.scene.characters.iter().position(|character| character.name == name);
+        CharacterId::from_usize(place.expect("the scene has this character"))
+    }
+
+    fn object(&self, name: &str) -> ObjectId {
+        let place = self.scene.objects.iter().position(|object| object.name == name);
+        ObjectId::from_usize(place.expect("the scene has this object"))
+    }
+
+    fn time(&self, moment: &str) -> f64 {
+        let told = self.report.moments.iter().find(|told| told.name == moment);
+        told.expect("a constraint names this moment").time
+    }
+
+    fn joints(&self, who: CharacterId, time: f64) -> Vec<DVec3> {
+        let pose = self.bodies.pose(who, self.bodies.frame(who, time));
+        let frames = skeleton_of(self.scene, who).forward_kinematics(&pose);
+        frames.into_iter().map(|frame| frame.position).collect()
+    }
+
+    fn role(&self, who: CharacterId, role: JointRole, time: f64) -> DVec3 {
+        let joint = skeleton_of(self.scene, who).joint_of(role).expect("captured bodies have all roles");
+        self.joints(who, time)[joint.as_usize()]
+    }
+
+    /// Points along all bones: their ends and middles.
+    fn bones(&self, who: CharacterId, time: f64) -> Vec<DVec3> {
+        let joints = self.joints(who, time);
+        let all = skeleton_of(self.scene, who).joints.iter().enumerate();
+        let middle = |(joint, parent): (usize, JointId)| joints[joint].midpoint(joints[parent.as_usize()]);
+        let middles: Vec<DVec3> =
+            all.filter_map(|(joint, known)| Some((joint, known.parent?))).map(middle).collect();
+        joints.into_iter().chain(middles).collect()
+    }
+
+    fn object_at(&self, object: ObjectId, time: f64) -> ObjectPose {
+        self.objects[object.as_usize()].pose_at(self.scene, &self.bodies.moved, time)
+    }
+
+    /// Output frames while somebody is on stage, scene times.
+    fn frames(&self, who: CharacterId) -> impl Iterator<Item = f64> {
+        let frames = self.report.characters[who.as_usize()].frames_out;
+        let (start, fps) = (self.report.start_time, self.report.fps);
+        (0..frames).map(move |frame| start + frame as f64 / fps)
+    }
+
+    /// Output frames of a carry, and its first and last moment.
+    fn carried(&self) -> Vec<f64> {
+        let ends = ["sam/lift:grasp", "sam/lower:release"].map(|moment| self.time(moment));
+        let between = self.frames(self.who("sam")).filter(|time| (ends[0]..=ends[1]).contains(time));
+        between.chain(ends).collect()
+    }
+}
+
+fn order(played: &Played<'_>) -> Result<(), Failed> {
+    // Moments of one step are one moment; steps follow at these times, seconds.
+    let steps: [(&[&str], f64); 7] = [
+        (&["hal:past", "ivy:past"], 0.7),
+        (&["ada:over"], 0.95),
+        (&["dan:over", "cid:down"], 1.3),
+        (&["ada:taps", "bea:tapped"], 2.3),
+        (&["gus:taps", "cid:tapped"], 2.7),
+        (&["cid:taps", "fay:tapped"], 3.2),
+        (&["bea:under"], 3.7),
+    ];
+    for (moments, seconds) in steps {
+        for moment in moments {
+            let off = (played.time(moment) - seconds).abs();
+            ensure(off < SAME_TIME, || format!("{moment} is {off:e} s off"))?;
+        }
+    }
+    Ok(())
+}
+
+fn touches(played: &Played<'_>) -> Result<(), Failed> {
+    let touches = [
+        ("ada", "taps", "bea", "tapped", JointRole::RightShoulder),
+        ("gus", "taps", "cid", "tapped", JointRole::RightShoulder),
+        ("cid", "taps", "fay", "tapped", JointRole::LeftElbow),
+    ];
+    for (who, taps, whom, tapped, role) in touches {
+        let (from, onto) = (played.who(who), played.who(whom));
+        let fingers = skeleton_of(played.scene, from).joint_named("rfingers").ok_or("no fingers")?;
+        let hand = played.joints(from, played.time(&format!("{who}:{taps}")))[fingers.as_usize()];
+        let off = hand.distance(played.role(onto, role, played.time(&format!("{whom}:{tapped}"))));
+        ensure(off < TOUCH, || format!("{who} misses {whom} by {off} m"))?;
+    }
+    Ok(())
+}
+
+fn above(played: &Played<'_>) -> Result<(), Failed> {
+    let [over, under] = [("dan", "dan:over"), ("cid", "cid:down")]
+        .map(|(name, moment)| played.bones(played.who(name), played.time(moment)));
+    let lowest = over.iter().map(|point| point.y).fold(f64::INFINITY, f64::min);
+    let middle = over[0]; // the root
+    let near = under.iter().filter(|point| (point.with_y(0.0) - middle.with_y(0.0)).length() < 0.4);
+    let heights: Vec<f64> = near.map(|point| point.y).collect();
+    let highest = heights.iter().copied().fold(0.0, f64::max);
+    ensure(heights.len() > 5 && highest + 2.0 * FLESH < lowest, || {
+        format!("{} points of cid up to {highest} m below dan at {lowest} m", heights.len())
+    })
+}
+
+fn obstacles(played: &Played<'_>) -> Result<(), Failed> {
+    for (object, thing) in played.scene.objects.iter().enumerate() {
+        let id = ObjectId::from_usize(object);
+        for index in 0..played.scene.characters.len() {
+            let who = CharacterId::from_usize(index);
+            for time in played.frames(who) {
+                let pose = played.object_at(id, time);
+                let nearest = |point: &DVec3| outside(thing.size, pose.local(*point));
+                let bones = played.bones(who, time);
+                let off = bones.iter().map(nearest).fold(f64::INFINITY, f64::min);
+                let name = &played.scene.characters[index].name;
+                ensure(off > FLESH, || format!("{name} is {off} m from {} at {time} s", thing.name))?;
+            }
+        }
+    }
+    for (who, object) in [("ada", "hurdle"), ("cid", "bench"), ("bea", "bar")] {
+        let (who_id, id) = (played.who(who), played.object(object));
+        let half = 0.5 * played.scene.objects[id.as_usize()].size[2];
+        let ways: Vec<DVec3> = played
+            .frames(who_id)
+            .map(|time| played.object_at(id, time).local(played.role(who_id, JointRole::Pelvis, time)))
+            .collect();
+        let crossed = ways.windows(2).filter(|pair| pair[0].x < 0.0 && pair[1].x >= 0.0);
+        let within: Vec<bool> = crossed.map(|pair| pair[1].z.abs() < half).collect();
+        ensure(within == [true], || format!("{who} passes {object} {within:?}"))?;
+    }
+    Ok(())
+}
+
+/// Distance of a point, in a box's axes, from it.
+fn outside([ahead, up, across]: [f64; 3], point: DVec3) -> f64 {
+    let corner = DVec3::new(0.5 * ahead, up, 0.5 * across);
+    point.distance(point.clamp(DVec3::new(-corner.x, 0.0, -corner.z), corner))
+}
+
+fn apart(played: &Played<'_>) -> Result<(), Failed> {
+    let touching = [("ada", "bea"), ("cid", "gus"), ("cid", "fay")];
+    let names: Vec<&str> = played.scene.characters.iter().map(|one| one.name.as_str()).collect();
+    for (first, one) in names.iter().enumerate() {
+        for other in &names[first + 1..] {
+            if touching.contains(&(one, other)) {
+                continue;
+            }
+            let ids = [one, other].map(|name| played.who(name));
+            for time in played.frames(ids[0]) {
+                let [own, others] = ids.map(|who| played.bones(who, time));
+                let least =
+                    |point: &DVec3| others.iter().map(|o| o.distance(*point)).fold(f64::INFINITY, f64::min);
+                let off = own.iter().map(least).fold(f64::INFINITY, f64::min);
+                ensure(off > AIR, || format!("{one} and {other} are {off} m apart at {time} s"))?;
+            }
+        }
+    }
+    Ok(())
+}
+
+fn sound(played: &Played<'_>) -> Result<(), Failed> {
+    for (index, body) in played.bodies.bodies.iter().enumerate() {
+        let [rest, edited] = slides(played, CharacterId::from_usize(index));
+        let name = &played.scene.characters[index].name;
+        ensure(edited <= rest + SPEED_ROUNDING, || {
+            format!("{name}'s feet slide {edited} m/s, captured {rest} m/s")
+        })?;
+        ensure(body.report.shortfalls.is_empty(), || format!("{name}: {:?}", body.report.shortfalls))?;
+    }
+    let short = played.report.constraints.iter().find(|constraint| constraint.shortfall.is_some());
+    ensure(short.is_none(), || format!("{short:?}"))
+}
+
+/// Mean horizontal speed of planted points of the feet since somebody set off, as captured and in the result, m/s: both at
+/// the instants that the result shows.
+fn slides(played: &Played<'_>, who: CharacterId) -> [f64; 2] {
+    let (body, track) =
+        (&played.bodies.bodies[who.as_usize()], &played.scene.characters[who.as_usize()].track);
+    let skeleton = skeleton_of(played.scene, who);
+    let frames: Vec<f64> = body.times.iter().map(|time| played.bodies.frame(who, *time)).collect();
+    let captured = frames.iter().map(|frame| skeleton.forward_kinematics(&track.pose(*frame))).collect();
+    let edited = body.poses.iter().map(|pose| skeleton.forward_kinematics(pose)).collect();
+    let own_times = frames.iter().map(|frame| frame * WORKING_STEP).collect();
+    let shown: [(Vec<Vec<JointFrame>>, Vec<f64>); 2] = [(captured, own_times), (edited, body.times.clone())];
+    shown.map(|(poses, times)| {
+        let (mut length, mut seconds) = (0.0, 0.0);
+        for point in ContactPoint::FEET {
+            let at = contact_point(skeleton, point).expect("captured bodies have feet");
+            let stands = |sample: &usize| {
+                let moves = frames[*sample] > frames[sample - 1]; // who waits does not slide
+                moves && body.planted[sample - 1].at(point) && body.planted[*sample].at(point)
+            };
+            for sample in (1..poses.len()).filter(stands) {
+                let step = at.place(&poses[sample]) - at.place(&poses[sample - 1]);
+                length += step.with_y(0.0).length();
+                seconds += times[sample] - times[sample - 1];
+            }
+        }
+        length / seconds
+    })
+}
+
+fn hands(played: &Played<'_>) -> Result<(), Failed> {
+    let beam = played.object("beam");
+    let size = played.scene.objects[beam.as_usize()].size;
+    let times = played.carried();
+    for name in ["sam", "nia"] {
+        for hand in [JointRole::LeftHand, JointRole::RightHand] {
+            let who = played.who(name);
+            let on_beam = |time: f64| played.object_at(beam, time).local(played.role(who, hand, time));
+            let held = on_beam(played.time("sam/lift:grasp"));
+            let off = outside(size, held);
+            ensure(off < PALM + TOUCH, || format!("{name} grasps {off} m from the beam"))?;
+            for time in &times {
+                let slip = on_beam(*time).distance(held);
+                ensure(slip < TOUCH, || format!("{name}'s hand slips by {slip} m at {time} s"))?;
+            }
+        }
+    }
+    Ok(())
+}
+
+fn beam(played: &Played<'_>) -> Result<(), Failed> {
+    let beam = played.object("beam");
+    let spans = &played.objects[beam.as_usize()].spans;
+    let owners: Vec<bool> = spans.iter().map(|span| matches!(span.owner, Owner::Carried(_))).collect();
+    ensure(owners == [false, true, false], || format!("carried once: {owners:?}"))?;
+    for span in &spans[1..] {
+        let [before, after] =
+            [span.from.next_down(), span.from.next_up()].map(|time| played.object_at(beam, time));
+        let jump = before.position.distance(after.position).max(wrap(before.facing - after.facing).abs());
+        ensure(jump < CONTINUOUS, || format!("it jumps by {jump:e} at {} s", span.from))?;
+    }
+    let lies = played.object_at(beam, f64::MAX);
+    for block in ["far block, left", "far block, right"] {
+        let id = played.object(block);
+        let [_, top, _] = played.scene.objects[id.as_usize()].size;
+        let at = played.object_at(id, 0.0);
+        let above = lies.local(at.apply(DVec3::new(0.0, top, 0.0)));
+        // Blocks stand where millimetres say.
+        let is_on = above.x.abs() < 0.005 && above.y.abs() < TOUCH && (above.z.abs() - 0.93).abs() < 0.005;
+        ensure(is_on, || format!("{block} is at {above} of the beam"))?;
+    }
+    Ok(())
+}
+
+/// How far carriers may sway from the places at which they grasped, metres: what bodies do in a stride.
+const SWAY: f64 = 0.12;
+
+fn opposite(played: &Played<'_>) -> Result<(), Failed> {
+    let beam = played.object("beam");
+    for (name, side) in [("sam", -0.55), ("nia", 0.55)] {
+        for time in played.carried() {
+            let root = played.role(played.who(name), JointRole::Pelvis, time);
+            let place = played.object_at(beam, time).local(root);
+            let is_there = (place.z - side).abs() < SWAY && place.x < -FLESH;
+            ensure(is_there, || format!("{name} is at {place} of the beam at {time} s"))?;
+        }
+    }
+    Ok(())
+}
+
+fn together(played: &Played<'_>) -> Result<(), Failed> {
+    for moment in ["lift:grasp", "lower:release"] {
+        let [sam, nia] = ["sam", "nia"].map(|name| played.time(&format!("{name}/{moment}")));
+        ensure((sam - nia).abs() < SAME_TIME, || format!("{moment}: {sam} s and {nia} s"))?;
+    }
+    Ok(())
+}
