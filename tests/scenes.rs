@@ -8,6 +8,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use cotillion::constraint::{ConstraintKind, Strength};
+use cotillion::discrete::outcome::Outcome;
 use cotillion::edit::Editor;
 use cotillion::embody::embody;
 use cotillion::export::bvh::BvhOptions;
@@ -107,7 +108,8 @@ fn edited(scene: &Scene) -> Result<Vec<(String, Vec<u8>)>, Failed> {
     }
     let mut resampled = resample(scene, edit).map_err(|error| error.to_string())?;
     let embodied = embody(scene, edit, &mut resampled);
-    for told in report(&embodied, edit, &resampled).characters {
+    let outcome = Outcome::plain((scene.clone(), edit.clone()));
+    for told in report(&embodied, &outcome, &resampled).characters {
         let RestEdited { rest, edited } = told.foot_slide;
         // What drifts as captured does so faster where time is pressed together.
         let allowed = rest / told.time_step.min.min(1.0) + SLIDE;

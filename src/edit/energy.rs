@@ -69,6 +69,13 @@ impl Energy {
     }
 }
 
+impl Energy {
+    /// With the turns at seams, already weighted.
+    pub fn with_turns(self, turn: f64) -> Self {
+        Self { turn, total: self.total - self.turn + turn, ..self }
+    }
+}
+
 /// `|ΔL|` in paper mode; else `L′·|ln(L′/L)|`, for which half a cycle too long and half too short are not alike.
 fn length_change((rest, edited): (f64, f64), mode: Mode) -> f64 {
     match mode {

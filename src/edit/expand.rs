@@ -1,10 +1,13 @@
 //! From a scene's constraints to rows at single instants. Source: Kim et al. 2009, §4.2–4.3.
 
-use crate::constraint::{Constraint, ConstraintKind, Moment, Partner, Relation, Strength, When};
+use std::collections::BTreeMap;
+
+use crate::constraint::{Captured, Constraint, ConstraintKind, Moment, Partner, Relation, Strength, When};
 use crate::edit::hold::{HeldRow, Hold, Place};
 use crate::edit::time_row::{TimePoint, TimeRow};
 use crate::geometry::{c64, cis, plan_of};
 use crate::index::{CharacterId, ConstraintId, ObjectId};
+use crate::object::ObjectPose;
 use crate::object_motion::{AtRest, ObjectMotion, Performance, object_motions};
 use crate::path::{self, RestPath};
 use crate::scene::Scene;
@@ -52,7 +55,7 @@ pub fn expand(scene: &Scene, rests: &[RestPath]) -> Expansion {
     let mut expansion = Expansion::default();
     for (index, Constraint { strength, kind, .. }) in scene.constraints.iter().enumerate() {
         let constraint = ConstraintId::from_usize(index);
-        for Sample { hold, share, follows } in holds(&rest, kind) {
+        for Sample { hold, share, follows } in holds(&rest, (constraint, kind)) {
             let row = expansion.held.len();
             expansion.following.extend(follows.map(|(object, before)| Following {
                 row,
@@ -90,10 +93,11 @@ struct Sample {
 }
 
 /// What a spatial constraint holds at each of its samples, with the sample's share of an interval.
-fn holds(rest: &Rest<'_>, kind: &ConstraintKind) -> Vec<Sample> {
+fn holds(rest: &Rest<'_>, (constraint, kind): (ConstraintId, &ConstraintKind)) -> Vec<Sample> {
     let (scene, rests) = (rest.scene, rest.rests);
     let mut all = Vec::new();
     let alone = |share: Option<f64>| move |hold: Hold| Sample { hold, share, follows: None };
+    let captured = scene.captured.get(&constraint);
     match kind {
         ConstraintKind::Pin { when, position, facing } => {
             for (frame, share) in samples(scene, when) {
@@ -103,16 +107,20 @@ fn holds(rest: &Rest<'_>, kind: &ConstraintKind) -> Vec<Sample> {
             }
         }
         ConstraintKind::Relative { when, partner, offset, facing } => {
-            for (frame, to, share) in pairs(scene, when, partner) {
+            let samples = pairs(scene, when, partner);
+            let shares = shares(&samples);
+            for ((frame, to, share), passed) in samples.into_iter().zip(shares) {
                 let at = place(scene, rests, when, frame);
+                let known = captured.map(|captured| captured.at(passed));
                 match (to, partner) {
                     (Some((when, frame)), _) => {
                         let to = place(scene, rests, when, frame);
-                        let holds = body_holds(rests, (at, to), (*offset, *facing));
+                        let before = known.unwrap_or_else(|| beside(rests, at, to));
+                        let holds = body_holds((at, to), before, (*offset, *facing));
                         all.extend(holds.into_iter().flatten().map(alone(share)));
                     }
                     (None, Partner::Object(object)) => {
-                        let holds = object_holds(rest, at, *object, (*offset, *facing));
+                        let holds = object_holds(rest, (at, known), *object, (*offset, *facing));
                         all.extend(holds.into_iter().flatten().map(|(hold, before)| {
                             let follows = scene.moves(*object).then_some((*object, before));
                             Sample { hold, share, follows }
@@ -127,30 +135,76 @@ fn holds(rest: &Rest<'_>, kind: &ConstraintKind) -> Vec<Sample> {
     all
 }
 
+/// Offset and facing of one place relative to another before the edit.
+fn beside(rests: &[RestPath], at: Place, to: Place) -> (c64, f64) {
+    let offset = (rest_point(rests, at) - rest_point(rests, to)) * cis(-to.heading);
+    (offset, at.heading - to.heading)
+}
+
 fn body_holds(
-    rests: &[RestPath],
     (at, to): (Place, Place),
+    before: (c64, f64),
     (offset, facing): (Relation<c64>, Relation<f64>),
 ) -> [Option<Hold>; 2] {
-    let before = (rest_point(rests, at) - rest_point(rests, to)) * cis(-to.heading);
     [
-        value(offset, before).map(|offset| Hold::Offset { at, to, offset }),
-        value(facing, at.heading - to.heading).map(|angle| Hold::RelativeFacing { at, to, angle }),
+        value(offset, before.0).map(|offset| Hold::Offset { at, to, offset }),
+        value(facing, before.1).map(|angle| Hold::RelativeFacing { at, to, angle }),
     ]
+}
+
+/// Share of the interval that has passed at each of its samples; 0 at an instant.
+fn shares(samples: &[PairSample<'_>]) -> Vec<f64> {
+    let (first, last) = (samples[0].0, samples[samples.len() - 1].0);
+    let share =
+        |(frame, ..): &PairSample<'_>| if last > first { (frame - first) / (last - first) } else { 0.0 };
+    samples.iter().map(share).collect()
+}
+
+/// What the constraints of `scene` that ask for what was before the edit have now. Cost: that of [`expand`].
+pub fn capture(scene: &Scene, rests: &[RestPath]) -> BTreeMap<ConstraintId, Captured> {
+    let objects = object_motions(scene, &AtRest(scene));
+    let rest = Rest { scene, rests, objects: &objects };
+    let mut all = BTreeMap::new();
+    for (index, constraint) in scene.constraints.iter().enumerate() {
+        let ConstraintKind::Relative { when, partner, offset, facing } = &constraint.kind else { continue };
+        if *offset != Relation::AsBefore && *facing != Relation::AsBefore {
+            continue;
+        }
+        let samples = pairs(scene, when, partner);
+        let mut captured = Captured { shares: shares(&samples), ..Captured::default() };
+        for (frame, to, _) in samples {
+            let at = place(scene, rests, when, frame);
+            let (offset, facing) = match (to, partner) {
+                (Some((when, frame)), _) => beside(rests, at, place(scene, rests, when, frame)),
+                (None, Partner::Object(object)) => beside_object(&rest, at, *object).1,
+                (None, Partner::Character(_)) => continue,
+            };
+            captured.offsets.push(offset);
+            captured.facings.push(facing);
+        }
+        all.insert(ConstraintId::from_usize(index), captured);
+    }
+    all
+}
+
+/// Pose of an object before the edit at the time of a place, and offset and facing of the place relative to it.
+fn beside_object(rest: &Rest<'_>, at: Place, object: ObjectId) -> (ObjectPose, (c64, f64)) {
+    let performance = AtRest(rest.scene);
+    let seconds = performance.time(CharacterId::from_usize(at.path), at.frame);
+    let pose = rest.objects[object.as_usize()].pose_at(rest.scene, &performance, seconds);
+    let offset = (rest_point(rest.rests, at) - pose.plan()) * cis(-pose.facing);
+    (pose, (offset, at.heading - pose.facing))
 }
 
 /// Place and facing relative to an object where it is at rest, each with its value before the edit.
 fn object_holds(
     rest: &Rest<'_>,
-    at: Place,
+    (at, known): (Place, Option<(c64, f64)>),
     object: ObjectId,
     (offset, facing): (Relation<c64>, Relation<f64>),
 ) -> [Option<(Hold, Wanted)>; 2] {
-    let performance = AtRest(rest.scene);
-    let seconds = performance.time(CharacterId::from_usize(at.path), at.frame);
-    let pose = rest.objects[object.as_usize()].pose_at(rest.scene, &performance, seconds);
-    let before = (rest_point(rest.rests, at) - pose.plan()) * cis(-pose.facing);
-    let turned = at.heading - pose.facing;
+    let (pose, found) = beside_object(rest, at, object);
+    let (before, turned) = known.unwrap_or(found);
     let position = value(offset, before).map(|offset| Hold::Position { at, target: pose.beside(offset) });
     let heading = value(facing, turned).map(|angle| Hold::Facing { at, heading: pose.facing + angle });
     [position.map(|hold| (hold, Wanted::Offset(before))), heading.map(|hold| (hold, Wanted::Facing(turned)))]

@@ -33,7 +33,8 @@ pub mod groups;
 pub mod mixing;
 pub mod editor;
 
-pub use editor::{Edit, Editor, Target};
+pub use crate::constraint::Target;
+pub use editor::{Edit, Editor};
 pub use error::EditError;
 pub use moved::{EditedCharacter, Moved};
 pub use note::EditNote;

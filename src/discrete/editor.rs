@@ -1,0 +1,324 @@
+//! The discrete editor: solves, proposes, and takes the one change that lowers the energy most.
+//!
+//! Source: Kim et al. 2009, §5 and Algorithm 1, with the energy of [`crate::edit::energy`].
+
+use std::sync::Arc;
+
+use crate::clip::working::{WORKING_STEP, WorkingClip};
+use crate::constraint::ChangeKind;
+use crate::discrete::candidates::{Candidate, Seen, candidates};
+use crate::discrete::choose::{Offer, Weighed, choose};
+use crate::discrete::outcome::{Outcome, TrackChanges};
+use crate::discrete::remap::{Protected, bound, protected, spliced};
+use crate::discrete::settings::DiscreteSettings;
+use crate::edit::energy::{Energy, length};
+use crate::edit::expand::capture;
+use crate::edit::{Edit, EditError, Editor, Target};
+use crate::geometry::{c64, wrap};
+use crate::graph::MotionGraph;
+use crate::index::{CharacterId, ConstraintId};
+use crate::scene::{Character, Scene};
+use crate::track::{Run, Track};
+
+/// When an update happens.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Occasion {
+    /// Before all drags.
+    First,
+    /// In a step of a drag.
+    Drag {
+        /// Which drag, from 0.
+        drag: usize,
+        /// Which of its steps, from 1.
+        step: usize,
+    },
+    /// After all drags.
+    Settling,
+}
+
+/// A change that was made.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LogEntry {
+    /// On whose track.
+    pub character: CharacterId,
+    /// Of which type.
+    pub kind: ChangeKind,
+    /// The first frame that came or went: clip and file frame, as moments name them.
+    pub at: String,
+    /// Track frames before the change that came or went, or the one after which others came, twice.
+    pub interval: (usize, usize),
+    /// Working frames that came, less those that went.
+    pub frames: i64,
+    /// When.
+    pub occasion: Occasion,
+    /// Ê before and after.
+    pub energy: (f64, f64),
+}
+
+/// A scene that is edited with discrete changes.
+pub struct DiscreteEditor {
+    original: Scene,
+    editor: Editor,
+    graph: Arc<MotionGraph>,
+    /// Graph clip of each clip that a character's track may show.
+    clips: Vec<Vec<usize>>,
+    /// Number of entries of each character's own track, and how the rest motion places them, radians.
+    rest_angles: Vec<Vec<f64>>,
+    settings: DiscreteSettings,
+    log: Vec<LogEntry>,
+}
+
+impl DiscreteEditor {
+    /// Takes a scene and the motion graph of `clips`, which are all that its characters may show besides their own.
+    ///
+    /// # Errors
+    /// Those of [`Editor::new`].
+    pub fn new(
+        scene: Scene,
+        (graph, clips): (Arc<MotionGraph>, &[Arc<WorkingClip>]),
+        settings: DiscreteSettings,
+    ) -> Result<Self, EditError> {
+        let original = scene.clone();
+        let mut scene = bound(scene);
+        let rests: Vec<_> = scene.characters.iter().map(|character| character.track.rest_path()).collect();
+        scene.captured = capture(&scene, &rests);
+        let rest_angles = scene.characters.iter().map(|character| rest_angles(&character.track)).collect();
+        let place = |clip: &Arc<WorkingClip>| clips.iter().position(|known| known == clip);
+        let mut seen = Vec::new();
+        for character in &mut scene.characters {
+            let skeleton = Arc::clone(&character.track.clips[0].clip.skeleton);
+            let fits = clips.iter().filter(|clip| clip.clip.skeleton.matches(&skeleton));
+            character.track.clips.extend(fits.cloned());
+            seen.push(character.track.clips.iter().filter_map(place).collect());
+        }
+        let editor = Editor::new(scene)?;
+        Ok(Self { original, editor, graph, clips: seen, rest_angles, settings, log: Vec::new() })
+    }
+
+    /// The scene as it is now: tracks and targets.
+    pub fn scene(&self) -> &Scene {
+        self.editor.scene()
+    }
+
+    /// Result of the last update.
+    pub fn edit(&self) -> &Edit {
+        self.editor.edit()
+    }
+
+    /// Every change so far.
+    pub fn log(&self) -> &[LogEntry] {
+        &self.log
+    }
+
+    /// Moves the target of a constraint, see [`Editor::move_target`].
+    ///
+    /// # Errors
+    /// As there.
+    pub fn move_target(&mut self, constraint: ConstraintId, target: Target) -> Result<(), EditError> {
+        self.editor.move_target(constraint, target)
+    }
+
+    /// Solves for the present targets and makes the change that lowers Ê most, if one is worth it: at most one, of one
+    /// track. Whether one was made.
+    ///
+    /// # Errors
+    /// Those of [`Editor::solve`] for the present tracks; candidates that cannot be solved do not happen.
+    pub fn update(&mut self, occasion: Occasion) -> Result<bool, EditError> {
+        self.editor.solve()?;
+        let before = self.energy().total;
+        let offers = self.offers();
+        let full = |offer: &Offer| self.weigh(&offer.candidate);
+        let choice = choose(offers, before, full, &self.settings);
+        let Some(Weighed { offer, energy }) = choice else { return Ok(false) };
+        let Candidate { character, splice, keep, kind, interval, .. } = offer.candidate;
+        let track = &self.editor.scene().characters[character.as_usize()].track;
+        let (count, changed) = (track.frame_count(), splice.new_count(track.frame_count()));
+        let at = self.place(character, interval.0);
+        let scene = spliced(self.editor.scene(), character, &splice, keep)
+            .expect("a candidate keeps every moment, which its energy has shown");
+        self.editor = Editor::new(scene)?;
+        self.editor.solve()?;
+        self.log.push(LogEntry {
+            character,
+            kind,
+            at,
+            interval,
+            frames: changed as i64 - count as i64,
+            occasion,
+            energy: (before, energy),
+        });
+        Ok(true)
+    }
+
+    /// Updates with unchanged targets until nothing is worth it; how many changes were made. It ends: each lowers Ê.
+    ///
+    /// # Errors
+    /// As [`DiscreteEditor::update`].
+    pub fn settle(&mut self) -> Result<usize, EditError> {
+        let mut changes = 0;
+        while self.update(Occasion::Settling)? {
+            changes += 1;
+        }
+        Ok(changes)
+    }
+
+    /// What came of the scene.
+    pub fn into_outcome(self) -> Outcome {
+        let tracks = (0..self.scene().characters.len()).map(|who| self.changes(who)).collect();
+        let energy = self.energy();
+        let Self { original, editor, log, settings, .. } = self;
+        let (scene, mut edit) = editor.into_parts();
+        edit.energy = energy;
+        let tracks = if settings.kinds.is_empty() { Vec::new() } else { tracks };
+        Outcome { original, scene, edit, log, tracks }.noted()
+    }
+
+    fn changes(&self, who: usize) -> TrackChanges {
+        let id = CharacterId::from_usize(who);
+        let (track, edited) = (&self.scene().characters[who].track, &self.edit().characters[who]);
+        let last = edited.times.len() - 1;
+        let (rest, seconds) = (length(&edited.rest.positions), last as f64 * WORKING_STEP);
+        let ratio = |edited: f64, rest: f64| if rest > 0.0 { edited / rest } else { 1.0 };
+        TrackChanges {
+            length: ratio(length(&edited.positions), rest),
+            time: ratio(edited.times[last] - edited.times[0], seconds),
+            turns: turns(track, &self.rest_angles[who]),
+            copies: copies(track, &self.clips[who]),
+            open: !self.candidates_of(id, track, &protected(self.scene(), id)).is_empty(),
+        }
+    }
+
+    /// Clip and file frame that a character's track shows at a track frame, as moments name them.
+    fn place(&self, character: CharacterId, frame: usize) -> String {
+        let Character { name, track, .. } = &self.editor.scene().characters[character.as_usize()];
+        let shows = |(run, start): &(&Run, usize)| *start + run.frame_count() > frame;
+        let Some((run, start)) = track.placed_runs().find(shows) else { return name.clone() };
+        let clip = &track.clips[run.entry];
+        let own = self.rest_angles[character.as_usize()].len();
+        let same = |entry: &usize| track.clips[*entry].name == clip.name;
+        let uses = (0..own).filter(same).count();
+        let number = (0..=run.entry.min(own - 1)).filter(same).count();
+        let file = clip.source_frame(f64::from(run.first.0) + (frame - start) as f64).round();
+        if uses > 1 {
+            format!("{name}/{}#{number}:{file}", clip.name)
+        } else {
+            format!("{name}/{}:{file}", clip.name)
+        }
+    }
+
+    /// Terms of Ê of the present result, turns at seams included.
+    pub fn energy(&self) -> Energy {
+        let scene = self.editor.scene();
+        let tracks = scene.characters.iter().map(|character| &character.track);
+        let turns = tracks.zip(&self.rest_angles).map(|(track, angles)| turns(track, angles)).sum::<f64>();
+        self.editor.edit().energy.with_turns(self.settings.turn_weight * turns)
+    }
+
+    /// All candidates with what is known of their energy before any solve: the turns at seams.
+    fn offers(&self) -> Vec<Offer> {
+        let scene = self.editor.scene();
+        let mut offers = Vec::new();
+        let angles = |who: usize, track: &Track| turns(track, &self.rest_angles[who]);
+        let all: f64 = scene.characters.iter().enumerate().map(|(who, c)| angles(who, &c.track)).sum();
+        for (who, character) in scene.characters.iter().enumerate() {
+            let id = CharacterId::from_usize(who);
+            let protected = protected(scene, id);
+            let found = self.candidates_of(id, &character.track, &protected);
+            let own = angles(who, &character.track);
+            offers.extend(found.into_iter().map(|candidate| {
+                let track = character.track.spliced(&candidate.splice);
+                let turned = all - own + angles(who, &track);
+                Offer {
+                    bound: self.settings.turn_weight * turned,
+                    copies: copies(&track, &self.clips[who]),
+                    candidate,
+                }
+            }));
+        }
+        offers
+    }
+
+    fn candidates_of(&self, character: CharacterId, track: &Track, protected: &Protected) -> Vec<Candidate> {
+        let open = open(self.editor.scene(), character);
+        if self.settings.kinds.is_empty() || !open.contains(&true) {
+            return Vec::new();
+        }
+        let still = track.collect(|clip, frame, _| clip.stationary[frame]);
+        let clips = &self.clips[character.as_usize()];
+        let seen = Seen { character, track, clips, protected, still: &still, open: &open };
+        candidates(&self.graph, &seen, &self.settings)
+    }
+
+    /// Ê if `candidate` happened, for the present targets; `None` where that cannot be solved.
+    pub fn weigh(&self, candidate: &Candidate) -> Option<f64> {
+        let scene = spliced(self.editor.scene(), candidate.character, &candidate.splice, candidate.keep)?;
+        let turned: f64 =
+            scene.characters.iter().zip(&self.rest_angles).map(|(c, angles)| turns(&c.track, angles)).sum();
+        let mut editor = Editor::new(scene).ok()?;
+        let energy = editor.solve().ok()?.energy;
+        Some(energy.with_turns(self.settings.turn_weight * turned).total)
+    }
+}
+
+/// Which frames of a character's track the scene lets change.
+fn open(scene: &Scene, who: CharacterId) -> Vec<bool> {
+    let track = &scene.characters[who.as_usize()].track;
+    let count = track.frame_count();
+    let Some(discrete) = &scene.discrete else { return vec![true; count] };
+    if discrete.characters.as_ref().is_some_and(|named| !named.contains(&who)) {
+        return vec![false; count];
+    }
+    let mut open = vec![true; count];
+    if let Some(times) = &discrete.times {
+        let own = times.iter().filter(|(from, _)| from.character == who);
+        let spans: Vec<(f64, f64)> =
+            own.map(|(from, to)| (scene.frame_of(from), scene.frame_of(to))).collect();
+        for (frame, open) in open.iter_mut().enumerate() {
+            *open = spans.iter().any(|(from, to)| (*from..=*to).contains(&(frame as f64)));
+        }
+    }
+    if let Some(regions) = &discrete.regions {
+        let places = track.collect(|clip, frame, placement| placement.apply(clip.positions[frame]));
+        for (place, open) in places.iter().zip(&mut open) {
+            let inside = |(low, high): &(c64, c64)| {
+                (low.re..=high.re).contains(&place.re) && (low.im..=high.im).contains(&place.im)
+            };
+            *open &= regions.iter().any(inside);
+        }
+    }
+    open
+}
+
+/// How the rest motion turns each entry of a track; entries that it does not show follow none.
+fn rest_angles(track: &Track) -> Vec<f64> {
+    track.runs.iter().map(|run| run.placement.angle()).collect()
+}
+
+/// Sum of the turns of what follows at every seam that discrete changes made, radians: by how much the run after it lies
+/// turned to the one before it, more than they did before all changes.
+fn turns(track: &Track, rest: &[f64]) -> f64 {
+    let mut before = 0.0;
+    let mut sum = 0.0;
+    for run in track.runs.iter().filter(|run| run.entry < rest.len()) {
+        let turned = run.placement.angle() - rest[run.entry];
+        sum += wrap(turned - before).abs();
+        before = turned;
+    }
+    sum
+}
+
+/// How often one source frame is shown at most; `clips`: graph clip of each entry.
+fn copies(track: &Track, clips: &[usize]) -> usize {
+    let mut ends: Vec<(usize, u32, i32)> = Vec::new();
+    for run in &track.runs {
+        ends.push((clips[run.entry], run.first.0, 1));
+        ends.push((clips[run.entry], run.last.0 + 1, -1));
+    }
+    ends.sort_unstable_by_key(|(clip, frame, change)| (*clip, *frame, *change));
+    let mut shown = 0;
+    let most = ends.iter().map(|(_, _, change)| {
+        shown += change;
+        shown
+    });
+    usize::try_from(most.max().unwrap_or(0)).unwrap_or(0)
+}

@@ -1,0 +1,11 @@
+//! Discrete edits: frames come and go where bending would stretch a stride or a stand.
+//!
+//! A motion graph proposes, the deformation energy decides, one small change at a time. Source: Kim et al. 2009, §5.
+
+pub mod candidates;
+pub mod choose;
+pub mod drags;
+pub mod outcome;
+pub mod editor;
+pub mod remap;
+pub mod settings;
