@@ -12,7 +12,7 @@ use crate::clip::Clip;
 use crate::clip::contacts::annotated::AnnotatedContact;
 use crate::clip::contacts::{ContactPoint, Contacts, runs};
 use crate::edit::{Edit, Moved};
-use crate::full_body::{BodyInput, BodyReport, Effector, PlantMode, Target, refine};
+use crate::full_body::{BodyInput, BodyReport, Cut, Effector, PlantMode, Seams, Target, refine};
 use crate::geometry::slerp;
 use crate::index::{CharacterId, SourceFrame};
 use crate::object_motion::{ObjectMotion, Performance, object_motions, skeleton_of};
@@ -20,6 +20,7 @@ use crate::reach::{JointTarget, Stage, carry_targets, constrained_times, effecto
 use crate::resample::{Resampled, shown_contacts_at};
 use crate::scene::{Plants, Scene};
 use crate::skeleton::Pose;
+use crate::track::{Run, Track};
 
 /// Moments this near to an output frame are at it, seconds.
 const AT_FRAME: f64 = 1e-7;
@@ -104,6 +105,7 @@ fn body(moved: &Moved<'_>, objects: &[ObjectMotion], who: CharacterId, clock: (f
         moved: frames.iter().map(|frame| moved.pose(who, *frame)).collect(),
         contacts: shown_contacts_at(track, &frames),
         effectors: targets.iter().map(effector).collect(),
+        seams: seams(track, &frames),
         times,
     };
     let mode = match scene.full_body.plants {
@@ -113,6 +115,22 @@ fn body(moved: &Moved<'_>, objects: &[ObjectMotion], who: CharacterId, clock: (f
     let refined = refine(skeleton_of(scene, who), &input, mode);
     let (times, moved) = (input.times, input.moved);
     Body { times, moved, poses: refined.poses, planted: refined.planted, report: refined.report }
+}
+
+/// Seams of a track, seen at fractional frames of it, which rise.
+fn seams(track: &Track, frames: &[f64]) -> Seams {
+    if track.runs.len() == 1 {
+        return Seams::default();
+    }
+    let cut = |(index, (_, start)): (usize, (&Run, usize))| Cut {
+        // What lies between two runs belongs to the later one.
+        sample: frames.partition_point(|frame| *frame <= start as f64 - 1.0),
+        matched: track.matched(index),
+    };
+    Seams {
+        unblended: frames.iter().map(|frame| track.unblended(*frame)).collect(),
+        cuts: track.placed_runs().enumerate().skip(1).map(cut).collect(),
+    }
 }
 
 /// Scene times at which a character is looked at: output frames, and constrained moments between them; rising. `clock`: scene

@@ -159,6 +159,9 @@ impl<'a> Frames<'a> {
                 for (from, before) in &alike[i] {
                     for (to, after) in &alike[j] {
                         let Some(stretch) = self.stretch(graph, *from, *to, settings) else { continue };
+                        if !self.is_worth((i, j), &stretch, settings) {
+                            continue;
+                        }
                         let splice = (Splice::replace(i, j, vec![stretch]), Keep::First);
                         found.push(self.candidate(
                             ChangeKind::Replace,
@@ -182,11 +185,26 @@ impl<'a> Frames<'a> {
         Candidate { character: self.seen.character, kind, splice, keep, distance, interval }
     }
 
+    /// Whether somebody stands from track frame i to j.
+    fn idle(&self, i: usize, j: usize) -> bool {
+        self.seen.still[i..=j].iter().all(|still| *still)
+    }
+
     /// Whether track frames i+1 to j may come or go: neither too few nor too many, and where all of them are still, enough
     /// that nobody sees them again.
     fn allowed(&self, i: usize, j: usize, settings: &DiscreteSettings) -> bool {
-        let idle = self.seen.still[i..=j].iter().all(|still| *still);
-        settings.lengths(idle).contains(&(j - i)) && self.seen.open[i..=j].iter().all(|open| *open)
+        settings.lengths(self.idle(i, j)).contains(&(j - i)) && self.seen.open[i..=j].iter().all(|open| *open)
+    }
+
+    /// Whether putting `stretch` in the place of track frames i+1 to j is more than swapping strides: frames of another clip,
+    /// or so many more or less that steps come or go. Strides of one clip differ by centimetres, and a swap for the sake of
+    /// these would win nearly every update.
+    fn is_worth(&self, (i, j): (usize, usize), stretch: &Stretch, settings: &DiscreteSettings) -> bool {
+        let change = stretch.frame_count().abs_diff(j - i);
+        let entries = self.seen.track.stretches(i + 1, j);
+        let own = |part: &Stretch| self.seen.clips[part.entry] == self.seen.clips[stretch.entry];
+        let other = !entries.iter().any(own);
+        change >= settings.least_exchange(self.idle(i, j)) || change == 0 && other
     }
 
     /// Frames after `from` up to `to` of one clip that the track may show, if they are as many as allowed.

@@ -16,6 +16,9 @@ pub struct DiscreteSettings {
     pub shortest_idle: usize,
     /// Most frames that come or go (2 s).
     pub longest: usize,
+    /// A replacement changes the number of frames by at least so many (in a stand, by as many as may come or go there); 0: by
+    /// any number. Only frames of another clip may take the place of as many.
+    pub least_exchange: usize,
     /// No run is left shorter than this, frames: it would have no room to blend.
     pub shortest_run: usize,
     /// At most so many candidates of a track are tried.
@@ -40,6 +43,7 @@ impl DiscreteSettings {
             shortest: 9,
             shortest_idle: 24,
             longest: 60,
+            least_exchange: 9,
             shortest_run: 8,
             most_candidates: 64,
             least_gain: 0.02,
@@ -52,6 +56,7 @@ impl DiscreteSettings {
             Mode::Production => production,
             Mode::Paper => Self {
                 shortest_idle: 9,
+                least_exchange: 0,
                 shortest_run: 1,
                 most_candidates: usize::MAX,
                 least_gain: 0.0,
@@ -79,6 +84,11 @@ impl DiscreteSettings {
     /// Whether changes of this type may happen.
     pub fn allows(&self, kind: ChangeKind) -> bool {
         self.kinds.contains(&kind)
+    }
+
+    /// By how many frames a replacement changes the number of frames at least; `idle`: all that go are stationary.
+    pub fn least_exchange(&self, idle: bool) -> usize {
+        if idle && self.least_exchange > 0 { self.shortest_idle } else { self.least_exchange }
     }
 
     /// How many frames may come or go; `idle`: all of them stationary.

@@ -28,6 +28,7 @@ fn walk(seconds: f64) -> (Skeleton, BodyInput) {
         rest,
         contacts: working.contacts.clone(),
         effectors: Vec::new(),
+        seams: Seams::default(),
     };
     ((*working.clip.skeleton).clone(), input)
 }

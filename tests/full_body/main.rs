@@ -17,7 +17,7 @@ use clips::{CLIPS, ON_HANDS, OTHERS, RAISED, Stretch, WINDING, Walk, load, stret
 use cotillion::clip::contacts::{ContactPoint, Contacts, contact_point, runs};
 use cotillion::full_body::chain::arms;
 use cotillion::full_body::plants::{FEET, bearing};
-use cotillion::full_body::{BodyInput, Effector, PlantMode, PlantedPoint, Refined, Target, refine};
+use cotillion::full_body::{BodyInput, Effector, PlantMode, PlantedPoint, Refined, Seams, Target, refine};
 use cotillion::skeleton::{Pose, Skeleton};
 use glam::DVec3;
 use libtest_mimic::{Arguments, Failed, Trial};
@@ -123,6 +123,7 @@ fn refined(stretch: &Stretch, moved: &[Pose], mode: PlantMode) -> Refined {
         moved: moved.to_vec(),
         contacts: stretch.contacts.to_vec(),
         effectors: Vec::new(),
+        seams: Seams::default(),
     };
     refine(stretch.walk.skeleton(), &input, mode)
 }
