@@ -234,7 +234,12 @@ impl<'a> Frames<'a> {
 
 /// Whether every run of the track after `splice` is long enough to blend, but for those that were shorter before.
 fn leaves_room(track: &Track, splice: &Splice, shortest: usize) -> bool {
-    let short = |track: &Track| track.runs.iter().filter(|run| run.frame_count() < shortest).count();
+    let short = |track: &Track| {
+        let last = track.runs.len() - 1;
+        // Between two seams there are two blends.
+        let least = |index: usize| if index == 0 || index == last { shortest } else { 2 * shortest };
+        track.runs.iter().enumerate().filter(|(index, run)| run.frame_count() < least(*index)).count()
+    };
     short(&track.spliced(splice)) <= short(track)
 }
 

@@ -19,7 +19,7 @@ pub struct DiscreteSettings {
     /// A replacement changes the number of frames by at least so many (in a stand, by as many as may come or go there); 0: by
     /// any number. Only frames of another clip may take the place of as many.
     pub least_exchange: usize,
-    /// No run is left shorter than this, frames: it would have no room to blend.
+    /// No run is left shorter than this, frames: it would have no room to blend. Between two seams, than twice as many.
     pub shortest_run: usize,
     /// At most so many candidates of a track are tried.
     pub most_candidates: usize,
@@ -57,7 +57,7 @@ impl DiscreteSettings {
             Mode::Paper => Self {
                 shortest_idle: 9,
                 least_exchange: 0,
-                shortest_run: 1,
+                shortest_run: 0,
                 most_candidates: usize::MAX,
                 least_gain: 0.0,
                 least_drop: 0.0,

@@ -1,5 +1,6 @@
-//! Contacts that a seam cuts. Who stands on through a seam keeps the foot where it is: the foot drifts as the frames before
-//! the seam have it, then as those after it, and the shift that aligns the two runs is none of its drift.
+//! Contacts at seams. Who stands on through a seam keeps the foot where it is: it drifts as the frames before the seam have it,
+//! then as those after it. The shift that aligns the two runs is none of its drift, nor is what blending does to the foot of
+//! a contact that begins or ends beside a seam.
 
 use crate::clip::facing::turn_about_up;
 use crate::full_body::chain::{Chain, Place};
@@ -25,8 +26,8 @@ pub struct Cut {
     pub matched: [Pose; 2],
 }
 
-/// Puts a limb, which is at `rest` in the blended motion, where it stands in every contact that a seam cuts; other contacts
-/// stay as they are. `bearing`: when its lower joint and its end bear. Cost: linear in the moments of such contacts.
+/// Puts a limb, which is at `rest` in the blended motion, where it stands in every contact that a seam cuts or whose frames it
+/// blends; other contacts stay as they are. `bearing`: when its lower joint and its end bear. Cost: linear.
 pub fn stand_through(
     (skeleton, chain): (&Skeleton, &Chain),
     seams: &Seams,
@@ -35,12 +36,9 @@ pub fn stand_through(
 ) {
     let labels = |at: usize| bearing.map(|bears| bears[at]);
     let any: Vec<bool> = (0..rest.len()).map(|at| labels(at).contains(&true)).collect();
-    for span in spans(&any) {
-        let mut cuts =
-            seams.cuts.iter().filter(|cut| (span.first + 1..=span.last).contains(&cut.sample)).peekable();
-        if cuts.peek().is_none() {
-            continue;
-        }
+    for span in spans(&any).into_iter().filter(|_| !seams.cuts.is_empty()) {
+        let within = |cut: &&Cut| (span.first + 1..=span.last).contains(&cut.sample);
+        let mut cuts = seams.cuts.iter().filter(within).peekable();
         let mut ground = RigidMotion::IDENTITY;
         for at in span.first..=span.last {
             while let Some(cut) = cuts.next_if(|cut| cut.sample <= at) {
@@ -48,8 +46,10 @@ pub fn stand_through(
                 ground = laid(&next, &last, labels(at)).then(&ground);
             }
             let shown = chain.place(skeleton, &seams.unblended[at]);
-            let motion = laid(&rest[at], &shown, labels(at)).then(&ground);
-            rest[at] = rest[at].carried(&motion);
+            if shown != rest[at] || ground != RigidMotion::IDENTITY {
+                let motion = laid(&rest[at], &shown, labels(at)).then(&ground);
+                rest[at] = rest[at].carried(&motion);
+            }
         }
     }
 }

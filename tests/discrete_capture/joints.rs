@@ -17,7 +17,7 @@ const CHANGE: f64 = 1.6;
 const FPS: f64 = 30.0;
 
 /// What joints of a clip do.
-pub(super) struct Usual {
+pub(crate) struct Usual {
     joints: Vec<usize>,
     /// Of each, rad/s.
     fastest: Vec<f64>,
@@ -35,7 +35,7 @@ fn changes(speeds: &[f64]) -> impl Iterator<Item = f64> {
     speeds.windows(2).map(|pair| (pair[1] - pair[0]).abs() * FPS)
 }
 
-pub(super) fn usual(clip: &WorkingClip) -> Usual {
+pub(crate) fn usual(clip: &WorkingClip) -> Usual {
     let poses: Vec<Pose> = (0..clip.frame_count()).map(|frame| clip.pose(frame as f64)).collect();
     let joints: Vec<usize> =
         weighted_joints(&clip.clip.skeleton).into_iter().map(|(joint, _)| joint).collect();
@@ -48,7 +48,7 @@ pub(super) fn usual(clip: &WorkingClip) -> Usual {
 }
 
 /// Checks all seams of `track`: largest speed over the fastest of the joint, and largest change over the usual.
-pub(super) fn seams(usual: &Usual, track: &Track) -> Result<(f64, f64), Failed> {
+pub(crate) fn seams(usual: &Usual, track: &Track) -> Result<(f64, f64), Failed> {
     let mut worst: (f64, f64) = (0.0, 0.0);
     let last = track.frame_count() - 1;
     for (_, start) in track.placed_runs().skip(1) {
@@ -56,14 +56,15 @@ pub(super) fn seams(usual: &Usual, track: &Track) -> Result<(f64, f64), Failed> 
         let poses: Vec<Pose> = frames.map(|frame| track.pose(frame as f64)).collect();
         for (joint, fastest) in usual.joints.iter().zip(&usual.fastest) {
             let speeds = speeds(&poses, *joint);
-            worst.0 = speeds.iter().fold(worst.0, |most, speed| most.max(speed / fastest));
-            worst.1 = changes(&speeds).fold(worst.1, |most, change| most.max(change / usual.change));
+            let speed = speeds.iter().copied().fold(0.0, f64::max) / fastest;
+            let change = changes(&speeds).fold(0.0, f64::max) / usual.change;
+            worst = (worst.0.max(speed), worst.1.max(change));
+            if speed > SPEED || change > CHANGE {
+                let runs: Vec<(u32, u32)> = track.runs.iter().map(|run| (run.first.0, run.last.0)).collect();
+                let told = format!("joint {joint} turns {speed:.2} times as fast as ever, {change:.2} times");
+                return Err(format!("{told} at {start} of {runs:?}").into());
+            }
         }
-    }
-    if worst.0 > SPEED || worst.1 > CHANGE {
-        return Err(
-            format!("joints turn {:.2} times as fast as ever, change {:.2} times", worst.0, worst.1).into()
-        );
     }
     Ok(worst)
 }

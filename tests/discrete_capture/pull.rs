@@ -4,10 +4,10 @@ use std::collections::BTreeMap;
 use std::path::Path;
 use std::sync::Arc;
 
-use cotillion::clip::contacts::runs;
+use cotillion::clip::contacts::{Contacts, runs};
 use cotillion::clip::file::read_file;
 use cotillion::clip::read::ReadOptions;
-use cotillion::clip::working::WorkingClip;
+use cotillion::clip::working::{WORKING_STEP, WorkingClip};
 use cotillion::discrete::editor::{DiscreteEditor, Occasion};
 use cotillion::discrete::outcome::Outcome;
 use cotillion::discrete::settings::DiscreteSettings;
@@ -20,31 +20,32 @@ use cotillion::metrics::foot_slide_at;
 use cotillion::resample::{resample, shown_contacts_at};
 use cotillion::scene::{ClipFolders, Scene, load_text};
 use cotillion::skeleton::{JointRole, Pose, Skeleton};
+use cotillion::track::Track;
 use libtest_mimic::Failed;
 
 /// Where the last frame is to be, and when, seconds after the first; any time where nothing is said.
-pub(super) type End = (c64, Option<f64>);
+pub(crate) type End = (c64, Option<f64>);
 
 /// What came of a drag.
-pub(super) struct Pulled {
-    pub(super) outcome: Outcome,
+pub(crate) struct Pulled {
+    pub(crate) outcome: Outcome,
     /// One an update.
-    pub(super) steps: Vec<Step>,
+    pub(crate) steps: Vec<Step>,
 }
 
 /// The track after one update.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Step {
-    pub(super) frames: usize,
+pub(crate) struct Step {
+    pub(crate) frames: usize,
     /// Ground length of the track before bending, metres …
-    pub(super) rest: f64,
+    pub(crate) rest: f64,
     /// … and after it.
-    pub(super) edited: f64,
+    pub(crate) edited: f64,
 }
 
 /// Somebody who performs a clip, from its first frame that is no rest pose, or the frames `range` of it; with first and last
 /// place, first time, and a last time where it is `timed`. `snu_*` are 30 frames a second.
-pub(super) fn read(
+pub(crate) fn read(
     folder: &Path,
     name: &str,
     range: Option<(u32, u32)>,
@@ -73,18 +74,18 @@ pub(super) fn read(
 }
 
 /// The only clip of a scene.
-pub(super) fn clip(scene: &Scene) -> &Arc<WorkingClip> {
+pub(crate) fn clip(scene: &Scene) -> &Arc<WorkingClip> {
     &scene.characters[0].track.clips[0]
 }
 
 /// First and last place of its root.
-pub(super) fn ends(scene: &Scene) -> (c64, c64) {
+pub(crate) fn ends(scene: &Scene) -> (c64, c64) {
     let positions = &clip(scene).positions;
     (positions[0], positions[positions.len() - 1])
 }
 
 /// Takes the end of `scene` through `to`, one update each.
-pub(super) fn pull(scene: &Scene, to: &[End], settings: DiscreteSettings) -> Result<Pulled, Failed> {
+pub(crate) fn pull(scene: &Scene, to: &[End], settings: DiscreteSettings) -> Result<Pulled, Failed> {
     let clips = vec![Arc::clone(clip(scene))];
     let graph = Arc::new(motion_graph(&clips, &GraphSettings::default()));
     let (start, _) = ends(scene);
@@ -114,13 +115,14 @@ fn length(path: &[c64]) -> f64 {
 
 /// What feet do: mean slide before and after the clean-up, m/s, and the mean length of a stride, metres.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Feet {
-    pub(super) before: f64,
-    pub(super) after: f64,
-    pub(super) stride: f64,
+pub(crate) struct Feet {
+    pub(crate) before: f64,
+    pub(crate) after: f64,
+    pub(crate) stride: f64,
 }
 
-pub(super) fn feet(outcome: &Outcome) -> Result<Feet, Failed> {
+/// Those of a result.
+pub(crate) fn feet(outcome: &Outcome) -> Result<Feet, Failed> {
     let Outcome { scene, edit, .. } = outcome;
     let mut resampled = resample(scene, edit).map_err(|error| error.to_string())?;
     let embodied = embody(scene, edit, &mut resampled);
@@ -142,17 +144,15 @@ fn strides(skeleton: &Skeleton, foot: JointRole, poses: &[Pose], bears: impl Fn(
     let Some(joint) = skeleton.joint_of(foot) else { return Vec::new() };
     let place = |at: usize| plan_of(skeleton.forward_kinematics(&poses[at])[joint.as_usize()].position);
     let labels: Vec<bool> = (0..poses.len()).map(bears).collect();
-    let whole = |(first, last): &(usize, usize)| *first > 0 && last + 1 < poses.len();
     let plants: Vec<c64> = runs(&labels)
         .into_iter()
-        .filter(whole)
         .map(|(first, last)| (first..=last).map(place).sum::<c64>() / (last - first + 1) as f64)
         .collect();
     plants.windows(2).map(|pair| (pair[1] - pair[0]).norm()).filter(|length| *length > SHORTEST).collect()
 }
 
 /// How often the track shows each frame of its clip.
-pub(super) fn shown(scene: &Scene) -> BTreeMap<usize, usize> {
+pub(crate) fn shown(scene: &Scene) -> BTreeMap<usize, usize> {
     let mut shown = BTreeMap::new();
     for run in &scene.characters[0].track.runs {
         for frame in run.first.as_usize()..=run.last.as_usize() {
@@ -160,4 +160,21 @@ pub(super) fn shown(scene: &Scene) -> BTreeMap<usize, usize> {
         }
     }
     shown
+}
+
+/// Slide of the feet in a clip, over the frames that a track shows of it, as often as it shows them, m/s.
+pub(crate) fn shown_slide(track: &Track) -> f64 {
+    let clip = &track.clips[0];
+    let (mut poses, mut contacts) = (Vec::new(), Vec::new());
+    for run in &track.runs {
+        // The frame before a run is the one that its seam takes for the last of the run before.
+        let frames = run.first.as_usize().saturating_sub(1)..=run.last.as_usize();
+        contacts.extend(frames.clone().map(|frame| clip.contacts[frame]));
+        poses.extend(frames.map(|frame| clip.pose(frame as f64)));
+        // Nobody slides from one run to the next.
+        contacts.push(Contacts::default());
+        poses.push(clip.pose(run.last.as_usize() as f64));
+    }
+    let times: Vec<f64> = (0..poses.len()).map(|at| at as f64 * WORKING_STEP).collect();
+    foot_slide_at(&clip.clip.skeleton, (&times, &poses), &contacts).unwrap_or(0.0)
 }
