@@ -27,7 +27,8 @@ pub struct DiscreteSettings {
     pub least_gain: f64,
     /// Gain in Ê that a change must bring.
     pub least_drop: f64,
-    /// Candidates this near to the best in Ê count as equal: the one that repeats frames least is taken.
+    /// Candidates this near to the best in Ê count as equal: the one that repeats frames least is taken. In production a frame
+    /// and a half of a walk: cycles that differ by a frame are equally good, and the shorter one would always be repeated.
     pub near_tie: f64,
     /// Weight of turns at seams, 1/rad.
     pub turn_weight: f64,
@@ -48,7 +49,7 @@ impl DiscreteSettings {
             most_candidates: 64,
             least_gain: 0.02,
             least_drop: 0.005,
-            near_tie: 0.01,
+            near_tie: 0.03,
             turn_weight: 0.05,
             evaluator: Evaluator::default(),
         };
