@@ -52,7 +52,7 @@ pub fn candidates(graph: &MotionGraph, seen: &Seen<'_>, settings: &DiscreteSetti
     let mut found = Vec::new();
     for i in 0..frames.nodes.len() {
         frames.between(graph, i, settings, &mut found);
-        frames.from_elsewhere(graph, i, settings, &mut found);
+        frames.insertions(graph, i, settings, &mut found);
     }
     if settings.allows(ChangeKind::Replace) {
         frames.replacements(graph, settings, &mut found);
@@ -60,7 +60,7 @@ pub fn candidates(graph: &MotionGraph, seen: &Seen<'_>, settings: &DiscreteSetti
     found.retain(|candidate| seen.protected.allow(&candidate.splice, candidate.keep));
     found.retain(|candidate| leaves_room(seen.track, &candidate.splice, settings.shortest_run));
     let mut found = one_per_sequence(seen, found);
-    found.sort_by(|a, b| (a.kind, a.interval, a.keep as u8).cmp(&(b.kind, b.interval, b.keep as u8)));
+    found.sort_by_key(|found| (found.kind, found.interval, found.keep as u8));
     without_enclosing(&mut found);
     best(found, settings.most_candidates)
 }
@@ -125,7 +125,7 @@ impl<'a> Frames<'a> {
     }
 
     /// Insertions after track frame `i` of what lies in some clip between two frames like it.
-    fn from_elsewhere(
+    fn insertions(
         &self,
         graph: &MotionGraph,
         i: usize,
@@ -196,15 +196,11 @@ impl<'a> Frames<'a> {
         settings.lengths(self.idle(i, j)).contains(&(j - i)) && self.seen.open[i..=j].iter().all(|open| *open)
     }
 
-    /// Whether putting `stretch` in the place of track frames i+1 to j is more than swapping strides: frames of another clip,
-    /// or so many more or less that steps come or go. Strides of one clip differ by centimetres, and a swap for the sake of
-    /// these would win nearly every update.
+    /// Whether putting `stretch` in the place of track frames i+1 to j is more than swapping strides: so many more or fewer
+    /// frames that steps come or go. Strides differ by centimetres, and a swap for the sake of these would win nearly every
+    /// update.
     fn is_worth(&self, (i, j): (usize, usize), stretch: &Stretch, settings: &DiscreteSettings) -> bool {
-        let change = stretch.frame_count().abs_diff(j - i);
-        let entries = self.seen.track.stretches(i + 1, j);
-        let own = |part: &Stretch| self.seen.clips[part.entry] == self.seen.clips[stretch.entry];
-        let other = !entries.iter().any(own);
-        change >= settings.least_exchange(self.idle(i, j)) || change == 0 && other
+        stretch.frame_count().abs_diff(j - i) >= settings.least_exchange(self.idle(i, j))
     }
 
     /// Frames after `from` up to `to` of one clip that the track may show, if they are as many as allowed.

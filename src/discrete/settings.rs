@@ -17,7 +17,7 @@ pub struct DiscreteSettings {
     /// Most frames that come or go (2 s).
     pub longest: usize,
     /// A replacement changes the number of frames by at least so many (in a stand, by as many as may come or go there); 0: by
-    /// any number. Only frames of another clip may take the place of as many.
+    /// any number.
     pub least_exchange: usize,
     /// No run is left shorter than this, frames: it would have no room to blend. Between two seams, than twice as many.
     pub shortest_run: usize,

@@ -40,15 +40,15 @@ pub fn stand_through(
         let within = |cut: &&Cut| (span.first + 1..=span.last).contains(&cut.sample);
         let mut cuts = seams.cuts.iter().filter(within).peekable();
         let mut ground = RigidMotion::IDENTITY;
-        for at in span.first..=span.last {
+        for (at, place) in rest.iter_mut().enumerate().take(span.last + 1).skip(span.first) {
             while let Some(cut) = cuts.next_if(|cut| cut.sample <= at) {
                 let [last, next] = cut.matched.each_ref().map(|pose| chain.place(skeleton, pose));
                 ground = laid(&next, &last, labels(at)).then(&ground);
             }
             let shown = chain.place(skeleton, &seams.unblended[at]);
-            if shown != rest[at] || ground != RigidMotion::IDENTITY {
-                let motion = laid(&rest[at], &shown, labels(at)).then(&ground);
-                rest[at] = rest[at].carried(&motion);
+            if shown != *place || ground != RigidMotion::IDENTITY {
+                let motion = laid(place, &shown, labels(at)).then(&ground);
+                *place = place.carried(&motion);
             }
         }
     }
