@@ -43,7 +43,7 @@ pub(crate) fn usual(clip: &WorkingClip) -> Usual {
     let mut found: Vec<f64> = all.iter().flat_map(|speeds| changes(speeds)).collect();
     found.sort_unstable_by(f64::total_cmp);
     let fastest = all.iter().map(|speeds| speeds.iter().copied().fold(0.0, f64::max)).collect();
-    let change = found[((found.len() - 1) as f64 * 0.999).round() as usize];
+    let change = found[(found.len() - 1) * 999 / 1000];
     Usual { joints, fastest, change }
 }
 

@@ -16,6 +16,7 @@ use cotillion::discrete::settings::DiscreteSettings;
 use cotillion::geometry::{c64, wrap};
 use cotillion::graph::facts::transition_facts;
 use cotillion::graph::{GraphSettings, motion_graph};
+use cotillion::index::floor_index;
 use cotillion::metrics::foot_slide_working;
 use cotillion::scene::{Mode, Plants, Scene};
 use cotillion::track::Splice;
@@ -60,13 +61,16 @@ const HEADING: f64 = 0.105;
 /// Duplications tried at random.
 const DUPLICATIONS: usize = 100;
 
+/// What is tried on the folder of captures.
+type Test = Box<dyn FnOnce(&Path) -> Result<(), Failed> + Send>;
+
 fn main() {
     let arguments = Arguments::from_args();
     let named = std::env::var_os("COTILLION_MOCAP").map(PathBuf::from);
     let folder = named.unwrap_or_else(|| Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/mocap"));
     let skipped = !folder.is_dir();
     let mut trials = Vec::new();
-    let mut add = |name: String, test: Box<dyn FnOnce(&Path) -> Result<(), Failed> + Send>| {
+    let mut add = |name: String, test: Test| {
         let folder = folder.clone();
         trials.push(Trial::test(name, move || test(&folder)).with_ignored_flag(skipped));
     };
@@ -121,7 +125,7 @@ fn later(scene: &Scene, factor: f64) -> Vec<End> {
 }
 
 fn factors(to: f64) -> impl Iterator<Item = f64> {
-    let steps = ((to - 1.0).abs() / 0.05).round() as usize;
+    let steps = floor_index(((to - 1.0).abs() / 0.05).round());
     (0..=steps).map(move |step| 1.0 + (to - 1.0) * step as f64 / steps as f64)
 }
 
@@ -249,7 +253,7 @@ fn duplications(folder: &Path) -> Result<(), Failed> {
         state = state.wrapping_add(0x9e37_79b9_7f4a_7c15);
         let mut mixed = (state ^ (state >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
         mixed = (mixed ^ (mixed >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        (mixed ^ (mixed >> 31)) as usize % below
+        usize::try_from((mixed ^ (mixed >> 31)) % below as u64).unwrap_or(0)
     };
     let names = WALKS.iter().map(|(name, _)| *name).chain([TURNING, STYLISED, HALTS[1].0]);
     let scenes: Vec<Scene> = names.map(|name| read(folder, name, None, false)).collect::<Result<_, _>>()?;

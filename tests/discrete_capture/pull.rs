@@ -55,7 +55,7 @@ pub(crate) fn read(
     let clip = read_file(&folder.join(name), None, &ReadOptions { fps, ..ReadOptions::default() })?.clip;
     let (first, last) = range.unwrap_or((clip.usable.0.0, clip.usable.1.0));
     // To the last working frame, so that the track ends on one.
-    let step = (clip.fps / 30.0).round() as u32;
+    let step = if clip.fps > 60.0 { 4 } else { 1 };
     let last = first + (last - first) / step * step;
     let rate = fps.map_or(String::new(), |fps| format!(", fps = {fps:?}"));
     let mut text = format!(
