@@ -52,7 +52,7 @@ pub fn candidates(graph: &MotionGraph, seen: &Seen<'_>, settings: &DiscreteSetti
     let mut found = Vec::new();
     for i in 0..frames.nodes.len() {
         frames.between(graph, i, settings, &mut found);
-        frames.from_elsewhere(graph, i, settings, &mut found);
+        frames.insertions(graph, i, settings, &mut found);
     }
     if settings.allows(ChangeKind::Replace) {
         frames.replacements(graph, settings, &mut found);
@@ -60,7 +60,7 @@ pub fn candidates(graph: &MotionGraph, seen: &Seen<'_>, settings: &DiscreteSetti
     found.retain(|candidate| seen.protected.allow(&candidate.splice, candidate.keep));
     found.retain(|candidate| leaves_room(seen.track, &candidate.splice, settings.shortest_run));
     let mut found = one_per_sequence(seen, found);
-    found.sort_by(|a, b| (a.kind, a.interval, a.keep as u8).cmp(&(b.kind, b.interval, b.keep as u8)));
+    found.sort_by_key(|found| (found.kind, found.interval, found.keep as u8));
     without_enclosing(&mut found);
     best(found, settings.most_candidates)
 }
@@ -125,7 +125,7 @@ impl<'a> Frames<'a> {
     }
 
     /// Insertions after track frame `i` of what lies in some clip between two frames like it.
-    fn from_elsewhere(
+    fn insertions(
         &self,
         graph: &MotionGraph,
         i: usize,
@@ -159,6 +159,9 @@ impl<'a> Frames<'a> {
                 for (from, before) in &alike[i] {
                     for (to, after) in &alike[j] {
                         let Some(stretch) = self.stretch(graph, *from, *to, settings) else { continue };
+                        if !self.is_worth((i, j), &stretch, settings) {
+                            continue;
+                        }
                         let splice = (Splice::replace(i, j, vec![stretch]), Keep::First);
                         found.push(self.candidate(
                             ChangeKind::Replace,
@@ -182,11 +185,22 @@ impl<'a> Frames<'a> {
         Candidate { character: self.seen.character, kind, splice, keep, distance, interval }
     }
 
+    /// Whether somebody stands from track frame i to j.
+    fn idle(&self, i: usize, j: usize) -> bool {
+        self.seen.still[i..=j].iter().all(|still| *still)
+    }
+
     /// Whether track frames i+1 to j may come or go: neither too few nor too many, and where all of them are still, enough
     /// that nobody sees them again.
     fn allowed(&self, i: usize, j: usize, settings: &DiscreteSettings) -> bool {
-        let idle = self.seen.still[i..=j].iter().all(|still| *still);
-        settings.lengths(idle).contains(&(j - i)) && self.seen.open[i..=j].iter().all(|open| *open)
+        settings.lengths(self.idle(i, j)).contains(&(j - i)) && self.seen.open[i..=j].iter().all(|open| *open)
+    }
+
+    /// Whether putting `stretch` in the place of track frames i+1 to j is more than swapping strides: so many more or fewer
+    /// frames that steps come or go. Strides differ by centimetres, and a swap for the sake of these would win nearly every
+    /// update.
+    fn is_worth(&self, (i, j): (usize, usize), stretch: &Stretch, settings: &DiscreteSettings) -> bool {
+        stretch.frame_count().abs_diff(j - i) >= settings.least_exchange(self.idle(i, j))
     }
 
     /// Frames after `from` up to `to` of one clip that the track may show, if they are as many as allowed.
@@ -216,7 +230,12 @@ impl<'a> Frames<'a> {
 
 /// Whether every run of the track after `splice` is long enough to blend, but for those that were shorter before.
 fn leaves_room(track: &Track, splice: &Splice, shortest: usize) -> bool {
-    let short = |track: &Track| track.runs.iter().filter(|run| run.frame_count() < shortest).count();
+    let short = |track: &Track| {
+        let last = track.runs.len() - 1;
+        // Between two seams there are two blends.
+        let least = |index: usize| if index == 0 || index == last { shortest } else { 2 * shortest };
+        track.runs.iter().enumerate().filter(|(index, run)| run.frame_count() < least(*index)).count()
+    };
     short(&track.spliced(splice)) <= short(track)
 }
 

@@ -16,7 +16,10 @@ pub struct DiscreteSettings {
     pub shortest_idle: usize,
     /// Most frames that come or go (2 s).
     pub longest: usize,
-    /// No run is left shorter than this, frames: it would have no room to blend.
+    /// A replacement changes the number of frames by at least so many (in a stand, by as many as may come or go there); 0: by
+    /// any number.
+    pub least_exchange: usize,
+    /// No run is left shorter than this, frames: it would have no room to blend. Between two seams, than twice as many.
     pub shortest_run: usize,
     /// At most so many candidates of a track are tried.
     pub most_candidates: usize,
@@ -24,7 +27,8 @@ pub struct DiscreteSettings {
     pub least_gain: f64,
     /// Gain in Ê that a change must bring.
     pub least_drop: f64,
-    /// Candidates this near to the best in Ê count as equal: the one that repeats frames least is taken.
+    /// Candidates this near to the best in Ê count as equal: the one that repeats frames least is taken. In production a frame
+    /// and a half of a walk: cycles that differ by a frame are equally good, and the shorter one would always be repeated.
     pub near_tie: f64,
     /// Weight of turns at seams, 1/rad.
     pub turn_weight: f64,
@@ -40,11 +44,12 @@ impl DiscreteSettings {
             shortest: 9,
             shortest_idle: 24,
             longest: 60,
+            least_exchange: 9,
             shortest_run: 8,
             most_candidates: 64,
             least_gain: 0.02,
             least_drop: 0.005,
-            near_tie: 0.01,
+            near_tie: 0.03,
             turn_weight: 0.05,
             evaluator: Evaluator::default(),
         };
@@ -52,7 +57,8 @@ impl DiscreteSettings {
             Mode::Production => production,
             Mode::Paper => Self {
                 shortest_idle: 9,
-                shortest_run: 1,
+                least_exchange: 0,
+                shortest_run: 0,
                 most_candidates: usize::MAX,
                 least_gain: 0.0,
                 least_drop: 0.0,
@@ -79,6 +85,11 @@ impl DiscreteSettings {
     /// Whether changes of this type may happen.
     pub fn allows(&self, kind: ChangeKind) -> bool {
         self.kinds.contains(&kind)
+    }
+
+    /// By how many frames a replacement changes the number of frames at least; `idle`: all that go are stationary.
+    pub fn least_exchange(&self, idle: bool) -> usize {
+        if idle && self.least_exchange > 0 { self.shortest_idle } else { self.least_exchange }
     }
 
     /// How many frames may come or go; `idle`: all of them stationary.

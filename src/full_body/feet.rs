@@ -4,7 +4,7 @@
 
 use glam::DVec3;
 
-use crate::clip::contacts::Contacts;
+use crate::clip::contacts::{ContactPoint, Contacts};
 use crate::full_body::aim::{Mobility, solve};
 use crate::full_body::chain::{Chain, EndPose, Place, bearing_arms, legs};
 use crate::full_body::fade::{Slopes, Span, fill};
@@ -13,6 +13,7 @@ use crate::full_body::limits::MOST_BENT;
 use crate::full_body::pins::{pins, spans};
 use crate::full_body::plants::{Displacement, FEET, HANDS, LegTrack, Soles, bearing, plants};
 use crate::full_body::reach::Demand;
+use crate::full_body::seams::stand_through;
 use crate::full_body::{BodyInput, PlantMode};
 use crate::geometry::{exp, log, smoothstep};
 use crate::limb::softened;
@@ -76,10 +77,13 @@ pub fn plan(skeleton: &Skeleton, input: &BodyInput, mode: PlantMode) -> Vec<Leg>
 }
 
 fn plan_leg(skeleton: &Skeleton, input: &BodyInput, mode: PlantMode, (chain, soles): (Chain, Soles)) -> Leg {
-    let places = |poses: &[Pose]| poses.iter().map(|pose| chain.place(skeleton, pose)).collect();
+    let places =
+        |poses: &[Pose]| poses.iter().map(|pose| chain.place(skeleton, pose)).collect::<Vec<Place>>();
     let [heel, toe] = bearing(&input.contacts, soles);
     let bound: Vec<bool> = heel.iter().zip(&toe).map(|(heel, toe)| *heel || *toe).collect();
-    let track = LegTrack { rest: places(&input.rest), moved: places(&input.moved), heel, toe };
+    let mut rest = places(&input.rest);
+    stand_through((skeleton, &chain), &input.seams, [&heel, &toe], &mut rest);
+    let track = LegTrack { rest, moved: places(&input.moved), heel, toe };
     let (corrections, planted) = match mode {
         PlantMode::AsCaptured => (None, [track.heel.clone(), track.toe.clone()]),
         PlantMode::Pinned => {
@@ -135,6 +139,13 @@ fn from_to(from: &EndPose, to: &EndPose) -> Displacement {
 }
 
 impl Leg {
+    /// Where a point that it bears on is before the edit, at each sample; `None` for points of other limbs.
+    pub fn captured(&self, point: ContactPoint) -> Option<Vec<DVec3>> {
+        let [lower, end] = self.soles.map(|sole| sole == Some(point));
+        let place = |place: &Place| if lower { place.limb.lower } else { place.end };
+        (lower || end).then(|| self.track.rest.iter().map(place).collect())
+    }
+
     /// Whether it is an arm.
     pub fn is_arm(&self) -> bool {
         HANDS.contains(&self.soles)

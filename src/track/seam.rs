@@ -3,6 +3,7 @@
 use crate::clip::contacts::{ContactPoint, contact_point};
 use crate::clip::working::{WORKING_STEP, WorkingClip};
 use crate::geometry::{RigidMotion, c64, exp, log, plan_of, smoothstep, wrap, yaw};
+use crate::index::floor_index;
 use crate::skeleton::Pose;
 use crate::track::Track;
 
@@ -90,14 +91,44 @@ impl Track {
         }
     }
 
+    /// Pose of a run's clip at a fractional working frame, where the run lies.
+    fn placed(&self, index: usize, working: f64) -> Pose {
+        let run = &self.runs[index];
+        let mut pose = self.clips[run.entry].pose(working);
+        pose.root = run.placement.apply_world(pose.root);
+        pose.rotations[0] = yaw(run.placement.angle()) * pose.rotations[0];
+        pose
+    }
+
+    /// Placed pose at a fractional track frame without the blends at seams; between two runs, that of the later one, whose
+    /// frame before its first stands for the last of the earlier one.
+    pub fn unblended(&self, frame: f64) -> Pose {
+        let (index, start) = self.run_at(floor_index(frame).min(self.frame_count() - 1));
+        let run = &self.runs[index];
+        let past = frame - (start + run.frame_count() - 1) as f64;
+        match self.runs.get(index + 1) {
+            Some(next) if past > 0.0 => {
+                self.placed(index + 1, (f64::from(next.first.0) - 1.0 + past).max(0.0))
+            }
+            _ => self.placed(index, f64::from(run.first.0) + frame - start as f64),
+        }
+    }
+
+    /// The two poses that the seam before run `index`, at least the second, takes for one, as placed: the last of the run before
+    /// it, and the one before its first (its first, where the clip has none before).
+    pub fn matched(&self, index: usize) -> [Pose; 2] {
+        let (before, after) = (&self.runs[index - 1], &self.runs[index]);
+        [
+            self.placed(index - 1, f64::from(before.last.0)),
+            self.placed(index, f64::from(after.first.0.saturating_sub(1))),
+        ]
+    }
+
     /// Placed pose of one run, with its share of the blends at both ends.
     pub(super) fn run_pose(&self, index: usize, start: usize, frame: f64) -> Pose {
         let run = &self.runs[index];
-        let clip = &self.clips[run.entry];
         let working = f64::from(run.first.0) + frame - start as f64;
-        let mut pose = clip.pose(working);
-        pose.root = run.placement.apply_world(pose.root);
-        pose.rotations[0] = yaw(run.placement.angle()) * pose.rotations[0];
+        let mut pose = self.placed(index, working);
         if index > 0 {
             let gone = working - (f64::from(run.first.0) - 1.0);
             self.blend(index, gone, 0.5, &mut pose);
