@@ -1,14 +1,15 @@
-//! Every scene of `scenes/` runs, and what it says holds: hard constraints to 1e-9, synchronised moments to 1e-9 s,
+//! Every scene of `scenes/` runs with its drags, and what it says holds: hard constraints to 1e-9, synchronised moments to 1e-9 s,
 //! finite poses, the same bytes twice, the same answer
 //! by both backends. Scenes on real capture are reported as skipped where there is none.
 
 mod agree;
+mod performed;
 
 use std::fs;
 use std::path::{Path, PathBuf};
 
 use cotillion::constraint::{ConstraintKind, Strength};
-use cotillion::edit::Editor;
+use cotillion::discrete::outcome::Outcome;
 use cotillion::export::bvh::BvhOptions;
 use cotillion::export::scene::scene_files;
 use cotillion::resample::resample;
@@ -76,10 +77,13 @@ fn holds(path: &Path, folders: &ClipFolders) -> Result<(), Failed> {
     Ok(())
 }
 
-/// Edits `scene`, checks its hard constraints, returns its files.
+/// Edits and drags `scene`, checks its hard constraints, returns its files.
 fn edited(scene: &Scene) -> Result<Vec<(String, Vec<u8>)>, Failed> {
-    let mut editor = Editor::new(scene.clone()).map_err(|error| error.to_string())?;
-    let edit = editor.solve().map_err(|error| error.to_string())?;
+    let outcome = performed::performed(scene.clone()).map_err(|error| error.to_string())?;
+    let Outcome { scene, edit, log, .. } = &outcome;
+    if !scene.drags.is_empty() && scene.discrete.is_some() && log.is_empty() {
+        return Err("no step comes or goes, whatever is dragged".into());
+    }
     let mut hard = 0;
     for (constraint, residual) in scene.constraints.iter().zip(residuals(scene, edit)) {
         if constraint.strength != Strength::Hard {

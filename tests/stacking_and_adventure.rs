@@ -1,10 +1,13 @@
 //! What the scenes of the stack and of the adventure say of themselves holds: boxes never jump and are never without owner or
 //! resting place, hands stay on them, the stack is as high as its parts; touches are exact and in the order of the story.
 
+mod performed;
+
 use std::path::Path;
 
 use cotillion::constraint::{Constraint, ConstraintKind, Moment, Strength};
-use cotillion::edit::{Edit, Editor, Moved};
+use cotillion::discrete::outcome::Outcome;
+use cotillion::edit::{Edit, Moved};
 use cotillion::effector::EffectorTarget;
 use cotillion::embody::embody;
 use cotillion::geometry::{c64, plan_of, wrap};
@@ -37,9 +40,8 @@ const HANDS_CHANGE: f64 = 1e-6;
 fn solved(name: &str) -> (Scene, Edit) {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes").join(name);
     let scene = load(&path, &ClipFolders::default()).expect("a sound scene").scene;
-    let mut editor = Editor::new(scene).expect("a regular scene");
-    let edit = editor.solve().expect("the constraints agree").clone();
-    (editor.scene().clone(), edit)
+    let Outcome { scene, edit, .. } = performed::performed(scene).expect("the constraints agree");
+    (scene, edit)
 }
 
 fn apart(a: ObjectPose, b: ObjectPose) -> f64 {
