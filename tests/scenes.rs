@@ -69,10 +69,19 @@ fn holds(path: &Path, folders: &ClipFolders) -> Result<(), Failed> {
         return Err("two runs give different bytes".into());
     }
     let stem = path.file_stem().unwrap_or_default().to_string_lossy();
-    let shown = Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("docs/{stem}.svg"));
-    let picture = files.iter().find(|(name, _)| name == "scene.svg").map(|(_, bytes)| bytes);
-    if shown.is_file() && Some(&fs::read(&shown)?) != picture {
-        return Err(format!("{} is not what the scene gives; run it again", shown.display()).into());
+    shown(&format!("{stem}.svg"), || Ok(files))?;
+    shown(&format!("{stem}_before.svg"), || edited(&Scene { drags: Vec::new(), discrete: None, ..scene }))
+}
+
+/// Compares a picture in `docs/` with that of the scene, where there is one.
+fn shown(name: &str, files: impl FnOnce() -> Result<Vec<(String, Vec<u8>)>, Failed>) -> Result<(), Failed> {
+    let picture = Path::new(env!("CARGO_MANIFEST_DIR")).join("docs").join(name);
+    if !picture.is_file() {
+        return Ok(());
+    }
+    let drawn = files()?.into_iter().find(|(name, _)| name == "scene.svg").map(|(_, bytes)| bytes);
+    if Some(fs::read(&picture)?) != drawn {
+        return Err(format!("{} is not what the scene gives; run it again", picture.display()).into());
     }
     Ok(())
 }

@@ -11,7 +11,7 @@ use cotillion::edit::{Backend, Edit, EditError, Editor};
 use cotillion::embody::embody;
 use cotillion::export::files::{OutputFile, write_all};
 use cotillion::export::picture::to_png;
-use cotillion::export::report::{Report, Timing, report};
+use cotillion::export::report::{CharacterReport, Report, RestEdited, Timing, report};
 use cotillion::export::scene::{scene_files, strip_files};
 use cotillion::graph::scene::{graph_settings, scene_clips};
 use cotillion::graph_cache::cached_graph;
@@ -235,6 +235,7 @@ fn summary(report: &Report, folder: &Path) -> String {
             character.time_step.max,
         );
     }
+    text.extend(report.characters.iter().filter_map(changed));
     let missed = report
         .constraints
         .iter()
@@ -246,4 +247,23 @@ fn summary(report: &Report, folder: &Path) -> String {
         text += &format!("note: {note}\n");
     }
     text + &format!("{} files in {}\n", report.files.len() + 1, folder.display())
+}
+
+/// What discrete changes did to a character's track, if there were any.
+fn changed(character: &CharacterReport) -> Option<String> {
+    let changes = character.changes.filter(|_| !character.discrete.is_empty())?;
+    let frames = |came: bool| -> i64 {
+        let of_sign = character.discrete.iter().filter(|change| (change.frames > 0) == came);
+        of_sign.map(|change| change.frames).sum()
+    };
+    let RestEdited { rest, edited } = changes.track_frames;
+    Some(format!(
+        "{:<12} {} discrete changes: {:+} and {:+} working frames, {rest} → {edited}   path stretched ×{:.2}, time ×{:.2}\n",
+        character.name,
+        character.discrete.len(),
+        frames(true),
+        frames(false),
+        changes.stretch.length,
+        changes.stretch.time,
+    ))
 }
