@@ -10,7 +10,7 @@ use cotillion::graph_cache::cached_graph;
 use cotillion::scene::Scene;
 
 /// The scene after its first solve, all drags and all discrete changes.
-pub fn performed(scene: Scene) -> Result<Outcome, EditError> {
+pub(crate) fn performed(scene: Scene) -> Result<Outcome, EditError> {
     let clips = if scene.discrete.is_some() { scene_clips(&scene) } else { Vec::new() };
     let (graph, _) = cached_graph(&clips, &graph_settings(scene.mode), None);
     perform(scene, Arc::new(graph), &clips, |_, _| {}).map(|editor| editor.into_outcome())
