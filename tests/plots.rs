@@ -270,7 +270,11 @@ fn a_box_goes_from_hand_to_hand_through_six_pairs() {
         let given = plot.time(&format!("{}/hand_over:release", names[0]));
         let taken = plot.time(&format!("{}/take_over:grasp", names[1]));
         assert!((given - taken).abs() < EXACT, "{names:?}");
-        assert_eq!((pair[0].to, pair[1].from), (given, given));
+        assert_eq!(pair[0].to, pair[1].from);
+        assert!(
+            (pair[0].to - given).abs() < EXACT,
+            "{names:?}: times of moments that are held differ by rounding"
+        );
     }
     let put = motion.pose_at(&plot.scene, &plot.moved(), 1e3);
     assert!(put.position.y.abs() < TOUCH, "on the floor: {}", put.position.y);
