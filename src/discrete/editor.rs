@@ -164,12 +164,12 @@ impl DiscreteEditor {
 
     /// What came of the scene.
     pub fn into_outcome(self) -> Outcome {
-        let tracks = (0..self.scene().characters.len()).map(|who| self.changes(who)).collect();
+        let changeable = if self.settings.kinds.is_empty() { 0 } else { self.scene().characters.len() };
+        let tracks = (0..changeable).map(|who| self.changes(who)).collect();
         let energy = self.energy();
-        let Self { original, editor, log, settings, .. } = self;
+        let Self { original, editor, log, .. } = self;
         let (scene, mut edit) = editor.into_parts();
         edit.energy = energy;
-        let tracks = if settings.kinds.is_empty() { Vec::new() } else { tracks };
         Outcome { original, scene, edit, log, tracks }.noted()
     }
 

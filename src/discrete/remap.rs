@@ -28,7 +28,8 @@ pub struct Protected {
 }
 
 /// What `scene`, whose moments are bound, protects on the track of `character`: the first and the last frame; frames of
-/// instants, with one on either side where a row reads the direction there; the ends of intervals, with one on either side.
+/// instants, with one on either side where a row reads the direction there; the ends of intervals, with one on either side; the
+/// ends of the times in which changes may happen.
 /// Cost: linear in moments.
 pub fn protected(scene: &Scene, character: CharacterId) -> Protected {
     let last = scene.characters[character.as_usize()].track.frame_count() - 1;
@@ -47,6 +48,8 @@ pub fn protected(scene: &Scene, character: CharacterId) -> Protected {
     let carried = scene.carries.iter().flat_map(|carry| [&carry.during.0, &carry.during.1]);
     carried.for_each(|moment| protect(moment, 1));
     scene.end_effectors.iter().flat_map(|effector| effector.moments()).for_each(|moment| protect(moment, 1));
+    let windows = scene.discrete.iter().flat_map(|discrete| discrete.times.iter().flatten());
+    windows.flat_map(|(from, to)| [from, to]).for_each(|moment| protect(moment, 0));
     stretches.sort_unstable();
     stretches.dedup();
     moments.sort_unstable_by(f64::total_cmp);
