@@ -158,6 +158,20 @@ impl Editor {
         if !self.is_separable() {
             return self.time_bound(variant, timing);
         }
+        let space = self.least_space(variant, response).0;
+        let bound = self.energy_with(variant, timing, &space).total;
+        bound - ROUNDING * (1.0 + bound + self.edit.energy.total)
+    }
+
+    /// The shape term of [`Editor::energy_of`], by an update of the present solution; `None` where it cannot be said
+    /// beforehand. Cost: as [`Editor::energy_bound`].
+    pub fn shape_of(&self, variant: &Variant, timing: &Timing, response: &PathResponse) -> Option<f64> {
+        let (space, known) = self.least_space(variant, Some(response));
+        known.then(|| self.energy_with(variant, timing, &space).shape)
+    }
+
+    /// The least that a variant makes of its group, and whether its shape is known.
+    fn least_space(&self, variant: &Variant, response: Option<&PathResponse>) -> (Space, bool) {
         let (index, place) = place_of(&self.spatial, variant.character).unwrap_or_default();
         let group = &self.spatial[index];
         let held = self.held_with(variant, group);
@@ -169,9 +183,8 @@ impl Editor {
         let lengths = rests.iter().enumerate().map(least).collect();
         let shape =
             response.and_then(|response| group.component.shape_energy_if(response, place, &rests, held));
-        let space = Space { group: index, energies: (shape.unwrap_or(0.0).max(0.0), 0.0), lengths };
-        let bound = self.energy_with(variant, timing, &space).total;
-        bound - ROUNDING * (1.0 + bound + self.edit.energy.total)
+        let energies = (shape.unwrap_or(0.0).max(0.0), 0.0);
+        (Space { group: index, energies, lengths }, shape.is_some())
     }
 
     /// A lower bound of what all those cost who are not tied to `character`.
