@@ -6,10 +6,11 @@ use cotillion_solvers::PathResponse;
 use crate::clip::working::WORKING_STEP;
 use crate::constraint::{ConstraintKind, Strength};
 use crate::edit::EditError;
-use crate::edit::energy::{Energy, Extent, length};
+use crate::edit::energy::{Energy, Extent, least_length_cost, length};
 use crate::edit::expand::{Expansion, expand_some, expand_times, retarget, seconds_of};
 use crate::edit::groups::Group;
 use crate::edit::hold::{Hold, Prepared};
+use crate::edit::phase::weight_of;
 use crate::edit::spatial::SpatialComponent;
 use crate::edit::temporal::TemporalComponent;
 use crate::edit::time_row::TimeRow;
@@ -57,6 +58,16 @@ struct Space {
     energies: (f64, f64),
     /// Length of each of its paths, metres.
     lengths: Vec<f64>,
+}
+
+/// The least that a variant makes of its group.
+struct LeastSpace {
+    /// Its shape, its paths as long as at rest.
+    space: Space,
+    /// What their lengths cost at least, residuals that save some of it included.
+    length_cost: f64,
+    /// Whether the shape is known.
+    known: bool,
 }
 
 impl Variant {
@@ -158,33 +169,37 @@ impl Editor {
         if !self.is_separable() {
             return self.time_bound(variant, timing);
         }
-        let space = self.least_space(variant, response).0;
-        let bound = self.energy_with(variant, timing, &space).total;
+        let LeastSpace { space, length_cost, .. } = self.least_space(variant, response);
+        let bound = self.energy_with(variant, timing, &space).total + length_cost;
         bound - ROUNDING * (1.0 + bound + self.edit.energy.total)
     }
 
     /// The shape term of [`Editor::energy_of`], by an update of the present solution; `None` where it cannot be said
     /// beforehand. Cost: as [`Editor::energy_bound`].
     pub fn shape_of(&self, variant: &Variant, timing: &Timing, response: &PathResponse) -> Option<f64> {
-        let (space, known) = self.least_space(variant, Some(response));
+        let LeastSpace { space, known, .. } = self.least_space(variant, Some(response));
         known.then(|| self.energy_with(variant, timing, &space).shape)
     }
 
-    /// The least that a variant makes of its group, and whether its shape is known.
-    fn least_space(&self, variant: &Variant, response: Option<&PathResponse>) -> (Space, bool) {
+    fn least_space(&self, variant: &Variant, response: Option<&PathResponse>) -> LeastSpace {
         let (index, place) = place_of(&self.spatial, variant.character).unwrap_or_default();
         let group = &self.spatial[index];
         let held = self.held_with(variant, group);
         let mut rests: Vec<&RestPath> = group.component.rests.iter().collect();
         rests[place] = &variant.rest;
-        let least = |(path, rest): (usize, &&RestPath)| {
-            length(&rest.positions).max(straight_length(&held, path, rest))
+        let lengths: Vec<f64> = rests.iter().map(|rest| length(&rest.positions)).collect();
+        let least = |(path, own): (usize, &f64)| {
+            let [all, hard] = [true, false].map(|soft| {
+                let (straight, give) = straight_length(&held, (path, rests[path]), soft);
+                least_length_cost((*own, straight), give, self.scene.mode)
+            });
+            all.max(hard)
         };
-        let lengths = rests.iter().enumerate().map(least).collect();
+        let length_cost = lengths.iter().enumerate().map(least).sum();
         let shape =
             response.and_then(|response| group.component.shape_energy_if(response, place, &rests, held));
         let energies = (shape.unwrap_or(0.0).max(0.0), 0.0);
-        (Space { group: index, energies, lengths }, shape.is_some())
+        LeastSpace { space: Space { group: index, energies, lengths }, length_cost, known: shape.is_some() }
     }
 
     /// A lower bound of what all those cost who are not tied to `character`.
@@ -287,19 +302,28 @@ fn place_of<C>(groups: &[Group<C>], character: usize) -> Option<(usize, usize)> 
     groups.iter().enumerate().find_map(place)
 }
 
-/// Length of the straight lines from each hard place of a path to the next, metres: the edited path is no shorter.
-fn straight_length(held: &[Prepared], path: usize, rest: &RestPath) -> f64 {
+/// Length of the straight lines from each held place of a path to the next, metres, and how readily soft ones give way:
+/// residuals that shorten the lines by R cost at least `R²/2g` in Ê, g the second number, m².
+/// `soft`: whether soft places count.
+fn straight_length(held: &[Prepared], (path, rest): (usize, &RestPath), soft: bool) -> (f64, f64) {
     let place = |prepared: &Prepared| match prepared.row.hold {
-        Hold::Position { at, target } if at.path == path && prepared.row.strength == Strength::Hard => {
-            // Beyond the last frame, rows go on along its line, which the path does not.
-            let within = at.frame <= (rest.len() - 1) as f64;
-            within.then(|| (at.frame, target, at.detail.norm()))
+        _ if !soft && prepared.row.strength != Strength::Hard => None,
+        // Beyond the last frame, rows go on along its line, which the path does not.
+        Hold::Position { at, target } if at.path == path && at.frame <= (rest.len() - 1) as f64 => {
+            Some((at.frame, target, at.detail.norm(), weight_of(prepared)))
         }
         _ => None,
     };
     let mut places: Vec<_> = held.iter().filter_map(place).collect();
     places.sort_by(|a, b| a.0.total_cmp(&b.0));
     let between =
-        |pair: &[(f64, c64, f64)]| ((pair[1].1 - pair[0].1).norm() - pair[0].2 - pair[1].2).max(0.0);
-    places.windows(2).map(between).sum()
+        |pair: &[(f64, c64, f64, Option<f64>)]| (pair[1].1 - pair[0].1).norm() - pair[0].2 - pair[1].2;
+    let straight = places.windows(2).map(|pair| between(pair).max(0.0)).sum();
+    // A place within the path moves two lines.
+    let last = places.len().saturating_sub(1);
+    let lever = |index: usize| if index == 0 || index == last { 1.0 } else { 4.0 };
+    let give = |(index, place): (usize, &(f64, c64, f64, Option<f64>))| {
+        place.3.map_or(0.0, |weight| lever(index) * WORKING_STEP.powi(3) / weight)
+    };
+    (straight, places.iter().enumerate().map(give).sum())
 }
