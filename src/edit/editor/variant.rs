@@ -22,8 +22,8 @@ use crate::scene::Scene;
 use super::{Editor, solve_times, space_error};
 
 /// Bounds are lowered by this share of the energies they come from, and by as much without units: what-ifs are good to
-/// about 1e-8.
-const ROUNDING: f64 = 1e-7;
+/// about 1e-8, and to 1e-7 where hard places all but contradict each other.
+const ROUNDING: f64 = 1e-5;
 
 /// Another track in place of a character's, with all rows on it. It outlives drags: numbers are read from the scene anew.
 #[derive(Clone, Debug)]
