@@ -1,120 +1,25 @@
 //! Discrete editing in the published mode: which change wins, and its energy, on a path that walks, stands and walks on; and
 //! how many steps a straight walk gains as it is stretched.
 
+mod paths;
+
 use std::f64::consts::TAU;
 use std::sync::Arc;
 
-use cotillion::clip::Clip;
-use cotillion::clip::facing::REST_HEADING;
-use cotillion::clip::working::{WORKING_STEP, WorkingClip};
-use cotillion::constraint::{ChangeKind, Constraint, ConstraintKind, Instant, Moment, Strength, When};
+use cotillion::clip::working::WORKING_STEP;
+use cotillion::constraint::{ChangeKind, Constraint, Instant};
 use cotillion::discrete::candidates::Candidate;
 use cotillion::discrete::editor::{DiscreteEditor, Occasion};
 use cotillion::discrete::settings::DiscreteSettings;
 use cotillion::edit::Target;
-use cotillion::geometry::{c64, world_of, yaw};
-use cotillion::graph::{GraphClip, MotionGraph};
-use cotillion::index::{CharacterId, ConstraintId, GraphFrame, SourceFrame};
-use cotillion::path::raw_tangents;
-use cotillion::scene::{Character, FullBody, Mode, Scene, Warp};
-use cotillion::skeleton::{Axis, Joint, Pose, Skeleton};
-use cotillion::track::{Keep, SeamRule, Splice, Track};
-use glam::DVec3;
+use cotillion::geometry::c64;
+use cotillion::index::{CharacterId, ConstraintId};
+use cotillion::scene::Mode;
+use cotillion::track::{Keep, Splice};
+use paths::{graph, path_clip, pin, scene, time};
 
 /// Printed energies have eight decimals.
 const PRINTED: f64 = 1e-6;
-
-fn skeleton() -> Arc<Skeleton> {
-    let root = Joint {
-        name: "Hips".to_owned(),
-        parent: None,
-        offset: DVec3::ZERO,
-        end_site: None,
-        rotation_order: [Axis::Z, Axis::X, Axis::Y],
-        role: None,
-    };
-    Arc::new(Skeleton { joints: vec![root] })
-}
-
-/// A root that goes along `points`, facing along its tangents; along that of its first frame in the stand.
-fn path_clip(points: &[c64], stand: Option<(usize, usize)>) -> Arc<WorkingClip> {
-    let tangents = raw_tangents(points);
-    let facing = |frame: usize| match stand {
-        Some((first, last)) if (first..=last).contains(&frame) => tangents[first].arg(),
-        _ => tangents[frame].arg(),
-    };
-    let pose = |(frame, point): (usize, &c64)| Pose {
-        root: world_of(*point, 1.0),
-        rotations: vec![yaw(facing(frame) - REST_HEADING)],
-        offsets: Vec::new(),
-    };
-    let poses: Vec<Pose> = points.iter().enumerate().map(pose).collect();
-    let clip = Arc::new(Clip::from_poses("path", skeleton(), 30.0, &poses));
-    let last = SourceFrame::from_usize(points.len() - 1);
-    let mut working = WorkingClip::new("path", clip, SourceFrame(0), last);
-    working.stationary = (0..points.len())
-        .map(|frame| stand.is_some_and(|(first, last)| (first..=last).contains(&frame)))
-        .collect();
-    Arc::new(working)
-}
-
-/// Graph of one clip with these similar pairs, all alike to rounding.
-fn graph(frames: usize, pairs: &[(usize, usize)]) -> MotionGraph {
-    let mut similar: Vec<Vec<GraphFrame>> = vec![Vec::new(); frames];
-    for (i, j) in pairs {
-        similar[*i].push(GraphFrame::from_usize(*j));
-        similar[*j].push(GraphFrame::from_usize(*i));
-    }
-    let mut starts = vec![0];
-    for list in &mut similar {
-        list.sort_unstable();
-        starts.push(starts[starts.len() - 1] + list.len());
-    }
-    let similar = similar.concat();
-    MotionGraph {
-        clips: vec![GraphClip { first: GraphFrame(0), frames, body: 0 }],
-        bodies: Vec::new(),
-        starts,
-        distances: vec![0.0; similar.len()],
-        similar,
-    }
-}
-
-fn moment(instant: Instant, name: &str) -> Moment {
-    Moment { character: CharacterId(0), instant, name: name.to_owned() }
-}
-
-fn hard(name: &str, kind: ConstraintKind) -> Constraint {
-    Constraint { name: name.to_owned(), line: 0, strength: Strength::Hard, kind }
-}
-
-fn pin(instant: Instant, position: c64) -> Constraint {
-    let when = When::At(moment(instant, "path"));
-    hard("pin", ConstraintKind::Pin { when, position: Some(position), facing: None })
-}
-
-fn time(instant: Instant, seconds: f64) -> Constraint {
-    hard("time", ConstraintKind::Time { at: moment(instant, "path"), seconds })
-}
-
-fn scene(clip: &Arc<WorkingClip>, constraints: Vec<Constraint>) -> Scene {
-    let track = Track::string(vec![Arc::clone(clip)], &[], (None, None), SeamRule::Root).0;
-    Scene {
-        title: "path".to_owned(),
-        fps: 30.0,
-        mode: Mode::Paper,
-        characters: vec![Character { name: "path".to_owned(), track, performed: Vec::new() }],
-        objects: Vec::new(),
-        constraints,
-        carries: Vec::new(),
-        end_effectors: Vec::new(),
-        drags: Vec::new(),
-        discrete: None,
-        captured: std::collections::BTreeMap::new(),
-        warp: Warp::default(),
-        full_body: FullBody::default(),
-    }
-}
 
 /// Walks, stands from frame 111 to 170, walks on.
 fn walk_idle_walk() -> Vec<c64> {
@@ -184,7 +89,7 @@ fn stretching_space_adds_steps_and_stretching_time_adds_standing() {
     let points = walk_idle_walk();
     assert!((points[281] - c64::new(8.027945698317229, 0.022294344764322)).norm() < 1e-12);
     let clip = path_clip(&points, Some((111, 170)));
-    let graph = Arc::new(graph(points.len(), &[WALK, IDLE]));
+    let graph = Arc::new(graph(&[points.len()], &[(WALK.0, WALK.1, 0.0), (IDLE.0, IDLE.1, 0.0)]));
     let rows = [
         Row {
             stretch: 1.2,
@@ -228,8 +133,8 @@ fn stretching_space_adds_steps_and_stretching_time_adds_standing() {
         },
     ];
     for row in rows {
-        let scene = scene(&clip, constraints(&points, row.stretch, row.slow));
         let clips = [Arc::clone(&clip)];
+        let scene = scene(&clips, constraints(&points, row.stretch, row.slow));
         let settings = DiscreteSettings::of(Mode::Paper);
         let mut editor = DiscreteEditor::new(scene, (Arc::clone(&graph), &clips), settings).expect("regular");
         let name = format!("space x{} time x{:?}", row.stretch, row.slow);
@@ -261,10 +166,10 @@ fn stretching_space_adds_steps_and_stretching_time_adds_standing() {
 fn a_straight_walk_gains_a_cycle_where_that_is_nearer_to_its_length() {
     let points: Vec<c64> = (0..181).map(|frame| c64::new(0.04 * f64::from(frame), 0.0)).collect();
     let clip = path_clip(&points, None);
-    let pairs: Vec<(usize, usize)> = (0..151).map(|i| (i, i + 30)).collect();
-    let graph = Arc::new(graph(points.len(), &pairs));
-    let scene = scene(&clip, vec![pin(Instant::TrackStart, points[0]), pin(Instant::TrackEnd, points[180])]);
+    let pairs: Vec<(usize, usize, f64)> = (0..151).map(|i| (i, i + 30, 0.0)).collect();
+    let graph = Arc::new(graph(&[points.len()], &pairs));
     let clips = [Arc::clone(&clip)];
+    let scene = scene(&clips, vec![pin(Instant::TrackStart, points[0]), pin(Instant::TrackEnd, points[180])]);
     let mut editor =
         DiscreteEditor::new(scene, (graph, &clips), DiscreteSettings::of(Mode::Paper)).expect("regular");
     let expected = [

@@ -1,64 +1,76 @@
 //! The choice: of all offers the one with the least energy, found without weighing those that cannot win.
 
+use rayon::prelude::*;
+
 use crate::constraint::Evaluator;
-use crate::discrete::candidates::Candidate;
 use crate::discrete::settings::DiscreteSettings;
 
-/// A candidate and what is known of it beforehand.
-#[derive(Clone, Debug, PartialEq)]
+/// What is known of a candidate beforehand.
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Offer {
-    /// What would happen.
-    pub candidate: Candidate,
-    /// Ê is at least this.
-    pub bound: f64,
     /// How often it would show one source frame at most.
     pub copies: usize,
+    /// Largest distance of the frames matched at its seams.
+    pub distance: f64,
+    /// Ê is at least this, which costs nothing to know.
+    pub bound: f64,
 }
 
 /// An offer and its Ê.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Weighed {
-    /// Which.
-    pub offer: Offer,
+    /// Which offer.
+    pub place: usize,
     /// Its Ê.
     pub energy: f64,
 }
+
+/// So many offers are weighed at once: on any number of threads the same ones.
+const BATCH: usize = 4;
 
 /// The offer to take, if one is worth it: its Ê is below `before` by the least relative and absolute gain of the settings.
 /// Among those within a near tie of the best, the one that repeats frames least, then the one with less Ê, then with
 /// nearer frames, then the earlier one.
 ///
-/// Offers are weighed by `weigh` in rising order of their bound until the next bound lies above the best by more than a near
-/// tie: what is left cannot win. The brute-force evaluator weighs all, with the same result.
+/// Offers that could be worth it get a sharper bound first, then they are weighed in rising order of it until the next
+/// bound lies above the best by more than a near tie: what is left cannot win. The brute-force evaluator weighs all, with the
+/// same result. `bound`, `weigh`: sharper bound and Ê of an offer; `None` where that cannot be solved.
 pub fn choose(
-    mut offers: Vec<Offer>,
+    offers: Vec<Offer>,
     before: f64,
-    weigh: impl Fn(&Offer) -> Option<f64>,
+    (bound, weigh): (impl Fn(usize) -> f64 + Sync, impl Fn(usize) -> Option<f64> + Sync),
     settings: &DiscreteSettings,
 ) -> Option<Weighed> {
     let worth = before * (1.0 - settings.least_gain) - settings.least_drop;
-    let accepted = |energy: f64| energy < worth;
-    let mut order: Vec<usize> = (0..offers.len()).collect();
-    order.sort_by(|a, b| offers[*a].bound.total_cmp(&offers[*b].bound).then(a.cmp(b)));
-    let mut weighed: Vec<(usize, f64)> = Vec::new();
+    let all = settings.evaluator == Evaluator::BruteForce;
+    let hopeful: Vec<usize> = (0..offers.len()).filter(|place| all || offers[*place].bound < worth).collect();
+    let sharper = |place: &usize| {
+        let known = offers[*place].bound;
+        (if all { known } else { bound(*place).max(known) }, *place)
+    };
+    let mut order: Vec<(f64, usize)> = hopeful.par_iter().map(sharper).collect();
+    order.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+    let mut weighed: Vec<Weighed> = Vec::new();
     let mut best = f64::INFINITY;
-    for place in order {
-        let bound = offers[place].bound;
-        let hopeless = bound > best + settings.near_tie || bound >= worth;
-        if hopeless && settings.evaluator != Evaluator::BruteForce {
+    for batch in order.chunks(BATCH) {
+        let hopeless = |bound: f64| !all && (bound > best + settings.near_tie || bound >= worth);
+        let open: Vec<usize> =
+            batch.iter().filter(|(bound, _)| !hopeless(*bound)).map(|(_, place)| *place).collect();
+        if open.is_empty() {
             break;
         }
-        if let Some(energy) = weigh(&offers[place]).filter(|energy| accepted(*energy)) {
-            best = best.min(energy);
-            weighed.push((place, energy));
+        let energies: Vec<Option<f64>> = open.par_iter().map(|place| weigh(*place)).collect();
+        for (place, energy) in open.into_iter().zip(energies) {
+            if let Some(energy) = energy.filter(|energy| *energy < worth) {
+                best = best.min(energy);
+                weighed.push(Weighed { place, energy });
+            }
         }
     }
-    let near = weighed.into_iter().filter(|(_, energy)| *energy <= best + settings.near_tie);
-    let (place, energy) = near.min_by(|(a, x), (b, y)| {
-        let (left, right) = (&offers[*a], &offers[*b]);
+    weighed.into_iter().filter(|own| own.energy <= best + settings.near_tie).min_by(|a, b| {
+        let (left, right) = (&offers[a.place], &offers[b.place]);
         let repeats = left.copies.cmp(&right.copies);
-        let distance = left.candidate.distance.total_cmp(&right.candidate.distance);
-        repeats.then(x.total_cmp(y)).then(distance).then(a.cmp(b))
-    })?;
-    Some(Weighed { offer: offers.swap_remove(place), energy })
+        let distance = left.distance.total_cmp(&right.distance);
+        repeats.then(a.energy.total_cmp(&b.energy)).then(distance).then(a.place.cmp(&b.place))
+    })
 }

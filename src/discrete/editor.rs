@@ -2,19 +2,22 @@
 //!
 //! Source: Kim et al. 2009, §5 and Algorithm 1, with the energy of [`crate::edit::energy`].
 
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
+
+use rayon::prelude::*;
 
 use crate::clip::working::{WORKING_STEP, WorkingClip};
-use crate::constraint::ChangeKind;
+use crate::constraint::{ChangeKind, ConstraintKind, Evaluator};
 use crate::discrete::candidates::{Candidate, Seen, candidates};
 use crate::discrete::choose::{Offer, Weighed, choose};
 use crate::discrete::outcome::{Outcome, TrackChanges};
 use crate::discrete::remap::{Protected, bound, protected, spliced};
 use crate::discrete::settings::DiscreteSettings;
+use crate::discrete::tracks::{copies, open, rest_angles, turns};
+use crate::discrete::weighing::{Proposal, Weighing};
 use crate::edit::energy::{Energy, length};
 use crate::edit::expand::capture;
 use crate::edit::{Edit, EditError, Editor, Target};
-use crate::geometry::{c64, wrap};
 use crate::graph::MotionGraph;
 use crate::index::{CharacterId, ConstraintId};
 use crate::scene::{Character, Scene};
@@ -66,6 +69,19 @@ pub struct DiscreteEditor {
     rest_angles: Vec<Vec<f64>>,
     settings: DiscreteSettings,
     log: Vec<LogEntry>,
+    /// Of each character; `None` where the track has changed since.
+    proposals: Vec<Option<Vec<Proposal>>>,
+}
+
+/// A candidate, and what is known of it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Appraisal {
+    /// What would happen.
+    pub candidate: Candidate,
+    /// Ê is at least this.
+    pub bound: f64,
+    /// Its Ê; `None` where it cannot be solved.
+    pub energy: Option<f64>,
 }
 
 impl DiscreteEditor {
@@ -91,8 +107,10 @@ impl DiscreteEditor {
             character.track.clips.extend(fits.cloned());
             seen.push(character.track.clips.iter().filter_map(place).collect());
         }
+        let proposals = scene.characters.iter().map(|_| None).collect();
         let editor = Editor::new(scene)?;
-        Ok(Self { original, editor, graph, clips: seen, rest_angles, settings, log: Vec::new() })
+        let log = Vec::new();
+        Ok(Self { original, editor, graph, clips: seen, rest_angles, settings, log, proposals })
     }
 
     /// The scene as it is now: tracks and targets.
@@ -126,11 +144,9 @@ impl DiscreteEditor {
     pub fn update(&mut self, occasion: Occasion) -> Result<bool, EditError> {
         self.editor.solve()?;
         let before = self.energy().total;
-        let offers = self.offers();
-        let full = |offer: &Offer| self.weigh(&offer.candidate);
-        let choice = choose(offers, before, full, &self.settings);
-        let Some(Weighed { offer, energy }) = choice else { return Ok(false) };
-        let Candidate { character, splice, keep, kind, interval, .. } = offer.candidate;
+        self.propose();
+        let Some((candidate, energy)) = self.choose(before) else { return Ok(false) };
+        let Candidate { character, splice, keep, kind, interval, .. } = candidate;
         let track = &self.editor.scene().characters[character.as_usize()].track;
         let (count, changed) = (track.frame_count(), splice.new_count(track.frame_count()));
         let at = self.place(character, interval.0);
@@ -138,6 +154,7 @@ impl DiscreteEditor {
             .expect("a candidate keeps every moment, which its energy has shown");
         self.editor = Editor::new(scene)?;
         self.editor.solve()?;
+        self.forget(character);
         self.log.push(LogEntry {
             character,
             kind,
@@ -148,6 +165,31 @@ impl DiscreteEditor {
             energy: (before, energy),
         });
         Ok(true)
+    }
+
+    fn weighing(&self) -> Weighing<'_> {
+        let tracks = self.editor.scene().characters.iter().map(|character| &character.track);
+        let turned = tracks.zip(&self.rest_angles).map(|(track, angles)| turns(track, angles)).collect();
+        Weighing::new(&self.editor, turned, self.settings.turn_weight)
+    }
+
+    /// The candidate to take and its Ê, if one is worth it.
+    fn choose(&self, before: f64) -> Option<(Candidate, f64)> {
+        let weighing = self.weighing();
+        let all: Vec<&Proposal> = self.proposals.iter().flatten().flatten().collect();
+        let offer = |proposal: &&Proposal| Offer {
+            copies: proposal.copies,
+            distance: proposal.candidate.distance,
+            bound: weighing.first_bound(proposal),
+        };
+        let offers: Vec<Offer> = all.iter().map(offer).collect();
+        let bound = |place: usize| weighing.bound(all[place]);
+        let energy = |place: usize| match self.settings.evaluator {
+            Evaluator::Exact => weighing.energy(all[place]),
+            Evaluator::BruteForce => self.weigh(&all[place].candidate),
+        };
+        let Weighed { place, energy } = choose(offers, before, (bound, energy), &self.settings)?;
+        Some((all[place].candidate.clone(), energy))
     }
 
     /// Updates with unchanged targets until nothing is worth it; how many changes were made. It ends: each lowers Ê.
@@ -214,30 +256,6 @@ impl DiscreteEditor {
         self.editor.edit().energy.with_turns(self.settings.turn_weight * turns)
     }
 
-    /// All candidates with what is known of their energy before any solve: the turns at seams.
-    fn offers(&self) -> Vec<Offer> {
-        let scene = self.editor.scene();
-        let mut offers = Vec::new();
-        let angles = |who: usize, track: &Track| turns(track, &self.rest_angles[who]);
-        let all: f64 = scene.characters.iter().enumerate().map(|(who, c)| angles(who, &c.track)).sum();
-        for (who, character) in scene.characters.iter().enumerate() {
-            let id = CharacterId::from_usize(who);
-            let protected = protected(scene, id);
-            let found = self.candidates_of(id, &character.track, &protected);
-            let own = angles(who, &character.track);
-            offers.extend(found.into_iter().map(|candidate| {
-                let track = character.track.spliced(&candidate.splice);
-                let turned = all - own + angles(who, &track);
-                Offer {
-                    bound: self.settings.turn_weight * turned,
-                    copies: copies(&track, &self.clips[who]),
-                    candidate,
-                }
-            }));
-        }
-        offers
-    }
-
     fn candidates_of(&self, character: CharacterId, track: &Track, protected: &Protected) -> Vec<Candidate> {
         let open = open(self.editor.scene(), character);
         if self.settings.kinds.is_empty() || !open.contains(&true) {
@@ -249,7 +267,7 @@ impl DiscreteEditor {
         candidates(&self.graph, &seen, &self.settings)
     }
 
-    /// Ê if `candidate` happened, for the present targets; `None` where that cannot be solved.
+    /// Ê if `candidate` happened, for the present targets; `None` where that cannot be solved. Solves everything anew.
     pub fn weigh(&self, candidate: &Candidate) -> Option<f64> {
         let scene = spliced(self.editor.scene(), candidate.character, &candidate.splice, candidate.keep)?;
         let turned: f64 =
@@ -258,67 +276,54 @@ impl DiscreteEditor {
         let energy = editor.solve().ok()?.energy;
         Some(energy.with_turns(self.settings.turn_weight * turned).total)
     }
-}
 
-/// Which frames of a character's track the scene lets change.
-fn open(scene: &Scene, who: CharacterId) -> Vec<bool> {
-    let track = &scene.characters[who.as_usize()].track;
-    let count = track.frame_count();
-    let Some(discrete) = &scene.discrete else { return vec![true; count] };
-    if discrete.characters.as_ref().is_some_and(|named| !named.contains(&who)) {
-        return vec![false; count];
+    /// All candidates for the targets of the last solve, each with its lower bound and its Ê, in the order of their
+    /// characters. Cost: that of weighing all.
+    pub fn appraise(&mut self) -> Vec<Appraisal> {
+        self.propose();
+        let weighing = self.weighing();
+        let all: Vec<&Proposal> = self.proposals.iter().flatten().flatten().collect();
+        let appraisal = |proposal: &&Proposal| Appraisal {
+            candidate: proposal.candidate.clone(),
+            bound: weighing.bound(proposal),
+            energy: weighing.energy(proposal),
+        };
+        all.par_iter().map(appraisal).collect()
     }
-    let mut open = vec![true; count];
-    if let Some(times) = &discrete.times {
-        let own = times.iter().filter(|(from, _)| from.character == who);
-        let spans: Vec<(f64, f64)> =
-            own.map(|(from, to)| (scene.frame_of(from), scene.frame_of(to))).collect();
-        for (frame, open) in open.iter_mut().enumerate() {
-            *open = spans.iter().any(|(from, to)| (*from..=*to).contains(&(frame as f64)));
-        }
-    }
-    if let Some(regions) = &discrete.regions {
-        let places = track.collect(|clip, frame, placement| placement.apply(clip.positions[frame]));
-        for (place, open) in places.iter().zip(&mut open) {
-            let inside = |(low, high): &(c64, c64)| {
-                (low.re..=high.re).contains(&place.re) && (low.im..=high.im).contains(&place.im)
+
+    /// Finds the candidates of tracks that changed since they were last asked for.
+    fn propose(&mut self) {
+        let scene = self.editor.scene();
+        let stale: Vec<usize> =
+            (0..scene.characters.len()).filter(|who| self.proposals[*who].is_none()).collect();
+        let find = |who: usize| {
+            let id = CharacterId::from_usize(who);
+            let track = &scene.characters[who].track;
+            let found = self.candidates_of(id, track, &protected(scene, id));
+            let proposal = |candidate: Candidate| {
+                let after = track.spliced(&candidate.splice);
+                let (turned, copies) =
+                    (turns(&after, &self.rest_angles[who]), copies(&after, &self.clips[who]));
+                Proposal { candidate, turned, copies, variant: OnceLock::new() }
             };
-            *open &= regions.iter().any(inside);
+            found.into_iter().map(proposal).collect()
+        };
+        let found: Vec<Vec<Proposal>> = stale.par_iter().map(|who| find(*who)).collect();
+        for (who, found) in stale.into_iter().zip(found) {
+            self.proposals[who] = Some(found);
         }
     }
-    open
-}
 
-/// How the rest motion turns each entry of a track; entries that it does not show follow none.
-fn rest_angles(track: &Track) -> Vec<f64> {
-    track.runs.iter().map(|run| run.placement.angle()).collect()
-}
-
-/// Sum of the turns of what follows at every seam that discrete changes made, radians: by how much the run after it lies
-/// turned to the one before it, more than they did before all changes.
-fn turns(track: &Track, rest: &[f64]) -> f64 {
-    let mut before = 0.0;
-    let mut sum = 0.0;
-    for run in track.runs.iter().filter(|run| run.entry < rest.len()) {
-        let turned = run.placement.angle() - rest[run.entry];
-        sum += wrap(turned - before).abs();
-        before = turned;
+    /// Forgets what was found for the track of `character`, and what its partners' candidates read of it.
+    fn forget(&mut self, character: CharacterId) {
+        self.proposals[character.as_usize()] = None;
+        let names = |kind: &ConstraintKind| kind.moments().iter().any(|moment| moment.character == character);
+        let tied = self.editor.scene().constraints.iter().filter(|constraint| names(&constraint.kind));
+        let partners = tied.flat_map(|constraint| constraint.kind.moments()).map(|moment| moment.character);
+        for partner in partners {
+            for proposal in self.proposals[partner.as_usize()].iter_mut().flatten() {
+                proposal.variant = OnceLock::new();
+            }
+        }
     }
-    sum
-}
-
-/// How often one source frame is shown at most; `clips`: graph clip of each entry.
-fn copies(track: &Track, clips: &[usize]) -> usize {
-    let mut ends: Vec<(usize, u32, i32)> = Vec::new();
-    for run in &track.runs {
-        ends.push((clips[run.entry], run.first.0, 1));
-        ends.push((clips[run.entry], run.last.0 + 1, -1));
-    }
-    ends.sort_unstable_by_key(|(clip, frame, change)| (*clip, *frame, *change));
-    let mut shown = 0;
-    let most = ends.iter().map(|(_, _, change)| {
-        shown += change;
-        shown
-    });
-    usize::try_from(most.max().unwrap_or(0)).unwrap_or(0)
 }

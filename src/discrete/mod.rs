@@ -2,10 +2,12 @@
 //!
 //! A motion graph proposes, the deformation energy decides, one small change at a time. Source: Kim et al. 2009, §5.
 
+pub mod settings;
+pub mod remap;
 pub mod candidates;
 pub mod choose;
-pub mod drags;
+pub mod tracks;
+pub mod weighing;
 pub mod outcome;
 pub mod editor;
-pub mod remap;
-pub mod settings;
+pub mod drags;

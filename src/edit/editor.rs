@@ -1,6 +1,7 @@
 //! The editor: built once per set of constraints, solved many times while targets move.
 
 mod moving;
+mod variant;
 
 use std::ops::Range;
 
@@ -23,6 +24,8 @@ use crate::path::RestPath;
 use crate::scene::{Mode, Scene};
 
 use crate::clip::working::WORKING_STEP;
+
+pub use variant::{Timing, Variant};
 
 /// Default bounds on time steps in production mode, as multiples of the rest step.
 const DEFAULT_BOUNDS: StepBounds = StepBounds { min: 0.5, max: 2.0 };

@@ -50,10 +50,20 @@ pub enum Wanted {
 
 /// Expands every constraint of `scene`, whose characters have the rest paths `rests`.
 pub fn expand(scene: &Scene, rests: &[RestPath]) -> Expansion {
+    expand_some(scene, &rests.iter().collect::<Vec<_>>(), |_| true)
+}
+
+/// Expands the constraints that are `wanted`.
+pub fn expand_some(
+    scene: &Scene,
+    rests: &[&RestPath],
+    wanted: impl Fn(&ConstraintKind) -> bool,
+) -> Expansion {
     let objects = object_motions(scene, &AtRest(scene));
     let rest = Rest { scene, rests, objects: &objects };
-    let mut expansion = Expansion::default();
-    for (index, Constraint { strength, kind, .. }) in scene.constraints.iter().enumerate() {
+    let mut expansion = Expansion { times: expand_times(scene, &wanted), ..Expansion::default() };
+    let constraints = scene.constraints.iter().enumerate().filter(|(_, constraint)| wanted(&constraint.kind));
+    for (index, Constraint { strength, kind, .. }) in constraints {
         let constraint = ConstraintId::from_usize(index);
         for Sample { hold, share, follows } in holds(&rest, (constraint, kind)) {
             let row = expansion.held.len();
@@ -65,21 +75,30 @@ pub fn expand(scene: &Scene, rests: &[RestPath]) -> Expansion {
             }));
             expansion.held.push(HeldRow { constraint, strength: shared(*strength, share), hold });
         }
-        expansion.times.extend(ties(scene, kind).into_iter().map(|tie| TimeRow {
-            constraint,
-            strength: shared(*strength, tie.share),
+    }
+    expansion
+}
+
+/// Temporal rows of the constraints that are `wanted`.
+pub fn expand_times(scene: &Scene, wanted: impl Fn(&ConstraintKind) -> bool) -> Vec<TimeRow> {
+    let constraints = scene.constraints.iter().enumerate().filter(|(_, constraint)| wanted(&constraint.kind));
+    let rows = |(index, constraint): (usize, &Constraint)| {
+        let row = move |tie: Tie| TimeRow {
+            constraint: ConstraintId::from_usize(index),
+            strength: shared(constraint.strength, tie.share),
             at: tie.at,
             minus: tie.minus,
             seconds: tie.seconds,
-        }));
-    }
-    expansion
+        };
+        ties(scene, &constraint.kind).into_iter().map(row).collect::<Vec<_>>()
+    };
+    constraints.flat_map(rows).collect()
 }
 
 /// The scene before the edit.
 struct Rest<'a> {
     scene: &'a Scene,
-    rests: &'a [RestPath],
+    rests: &'a [&'a RestPath],
     objects: &'a [ObjectMotion],
 }
 
@@ -136,7 +155,7 @@ fn holds(rest: &Rest<'_>, (constraint, kind): (ConstraintId, &ConstraintKind)) -
 }
 
 /// Offset and facing of one place relative to another before the edit.
-fn beside(rests: &[RestPath], at: Place, to: Place) -> (c64, f64) {
+fn beside(rests: &[&RestPath], at: Place, to: Place) -> (c64, f64) {
     let offset = (rest_point(rests, at) - rest_point(rests, to)) * cis(-to.heading);
     (offset, at.heading - to.heading)
 }
@@ -163,6 +182,7 @@ fn shares(samples: &[PairSample<'_>]) -> Vec<f64> {
 /// What the constraints of `scene` that ask for what was before the edit have now. Cost: that of [`expand`].
 pub fn capture(scene: &Scene, rests: &[RestPath]) -> BTreeMap<ConstraintId, Captured> {
     let objects = object_motions(scene, &AtRest(scene));
+    let rests: &[&RestPath] = &rests.iter().collect::<Vec<_>>();
     let rest = Rest { scene, rests, objects: &objects };
     let mut all = BTreeMap::new();
     for (index, constraint) in scene.constraints.iter().enumerate() {
@@ -316,9 +336,9 @@ fn pairs<'a>(scene: &Scene, when: &When, partner: &'a Partner) -> Vec<PairSample
 }
 
 /// The instant at a track frame, with what the rest motion says there.
-fn place(scene: &Scene, rests: &[RestPath], when: &When, frame: f64) -> Place {
+fn place(scene: &Scene, rests: &[&RestPath], when: &When, frame: f64) -> Place {
     let path = when.character().as_usize();
-    let (track, rest) = (&scene.characters[path].track, &rests[path]);
+    let (track, rest) = (&scene.characters[path].track, rests[path]);
     let whole = (frame - frame.round()).abs() < 1e-9 && frame.round() < rest.len() as f64;
     let frame = if whole { frame.round() } else { frame };
     let detail = if whole {
@@ -330,7 +350,7 @@ fn place(scene: &Scene, rests: &[RestPath], when: &When, frame: f64) -> Place {
 }
 
 /// Point of the rest motion at a place.
-fn rest_point(rests: &[RestPath], place: Place) -> c64 {
+fn rest_point(rests: &[&RestPath], place: Place) -> c64 {
     path::at(&rests[place.path].positions, place.frame) + place.detail
 }
 
@@ -376,5 +396,14 @@ fn replace<T: Copy + PartialEq>(value: &mut T, relation: &Relation<T>) -> bool {
             true
         }
         _ => false,
+    }
+}
+
+/// Seconds that the rows of a temporal constraint ask for at present.
+pub fn seconds_of(kind: &ConstraintKind) -> Option<f64> {
+    match kind {
+        ConstraintKind::Time { seconds, .. } | ConstraintKind::Duration { seconds, .. } => Some(*seconds),
+        ConstraintKind::Sync { offset, .. } => Some(*offset),
+        ConstraintKind::Pin { .. } | ConstraintKind::Relative { .. } => None,
     }
 }

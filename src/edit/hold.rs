@@ -1,5 +1,7 @@
 //! Spatial constraints at single instants, as exact complex rows. Source: Kim et al. 2009, eqs. 1, 2 and 4.
 
+use std::borrow::Borrow;
+
 use crate::constraint::Strength;
 use crate::edit::settings::RelativeMode;
 use crate::geometry::{c64, cis};
@@ -264,8 +266,8 @@ impl Rotations {
 
 impl Prepared {
     /// Finds the directions of `row`.
-    pub fn new(row: HeldRow, rests: &[RestPath], baseline: f64) -> Self {
-        let find = |place: Place| direction_at(&rests[place.path], place.frame, baseline);
+    pub fn new(row: HeldRow, rests: &[impl Borrow<RestPath>], baseline: f64) -> Self {
+        let find = |place: Place| direction_at(rests[place.path].borrow(), place.frame, baseline);
         let (at, to) = (find(row.hold.at()), row.hold.to().and_then(find));
         Self { row, at, to, body_only: false, partner_row: None }
     }
@@ -375,6 +377,20 @@ impl Prepared {
                 }
                 _ => c64::default(),
             },
+        }
+    }
+
+    /// Whether its target in the shape phase is the same whatever the rotations of its places.
+    pub fn ignores_rotations(&self) -> bool {
+        let fixed = |place: Place, direction: Option<Direction>| {
+            place.detail == c64::default() || (self.partner_row.is_none() && direction.is_some())
+        };
+        let follows = self.partner_row.is_none() && self.to.is_some();
+        match self.row.hold {
+            Hold::Position { at, .. } | Hold::Beside { at, .. } => fixed(at, self.at),
+            Hold::Facing { .. } => true,
+            Hold::Offset { at, to, .. } => follows && fixed(at, self.at) && fixed(to, self.to),
+            Hold::RelativeFacing { .. } => follows && self.at.is_some(),
         }
     }
 

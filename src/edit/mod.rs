@@ -19,6 +19,7 @@ pub mod reduced;
 pub mod gauge;
 pub mod direct;
 pub mod phase;
+pub mod what_if;
 pub mod energy;
 pub mod facing;
 pub mod moved;
@@ -34,7 +35,7 @@ pub mod mixing;
 pub mod editor;
 
 pub use crate::constraint::Target;
-pub use editor::{Edit, Editor};
+pub use editor::{Edit, Editor, Timing, Variant};
 pub use error::EditError;
 pub use moved::{EditedCharacter, Moved};
 pub use note::EditNote;

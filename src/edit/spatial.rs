@@ -4,7 +4,7 @@
 //! right-hand sides, substitutions and one pass over the frames. Source: Kim et al. 2009, §4.1–4.2, in the forms that
 //! the module docs of `springs`, `hold` and `reference` give.
 
-use cotillion_solvers::KktError;
+use cotillion_solvers::{KktError, PathResponse};
 
 use crate::edit::bodies::{first_disagreement, leave_to_the_body, spread_still_rotations};
 use crate::edit::clash::{self, Miss};
@@ -16,6 +16,7 @@ use crate::edit::phase::PhaseSolver;
 use crate::edit::reference::reference_translations;
 use crate::edit::settings::{Backend, FacingMode, SpatialSettings};
 use crate::edit::turned::TurnedPath;
+use crate::edit::what_if::{ChangedPath, shape_energy_if};
 use crate::geometry::{c64, cis};
 use crate::index::ConstraintId;
 use crate::path::{RestPath, RestSegments};
@@ -70,6 +71,8 @@ pub struct SpatialComponent {
     pub rotations: Vec<Rotations>,
     /// Energies of the present result.
     pub energy: SpatialEnergy,
+    /// What moved each rest path before the shape phase bent it.
+    translations: Vec<c64>,
     settings: SpatialSettings,
     backend: Backend,
     /// Segments of the rest paths.
@@ -111,6 +114,7 @@ impl SpatialComponent {
             segments: rests.iter().map(RestPath::segments).collect(),
             rotations: vec![Rotations::NONE; held.len()],
             energy: SpatialEnergy::default(),
+            translations: vec![c64::default(); rests.len()],
             released: Vec::new(),
             chords: rests.iter().map(chords).collect(),
             rests,
@@ -267,10 +271,10 @@ impl SpatialComponent {
     fn solve_shape(&mut self) -> Result<Option<Attempt>, SpatialError> {
         let (held, rotations, rests) = (&self.held, &self.rotations, &self.rests);
         let rest = |path: usize| rests[path].positions.as_slice();
-        let translations = reference_translations(rests.len(), rest, held, |_| Rotations::NONE);
-        let relative = self.settings.relative;
-        let reference =
-            |path: usize, frame: usize| rests[path].positions[frame] + translations[path].unwrap_or_default();
+        let asked = reference_translations(rests.len(), rest, held, |_| Rotations::NONE);
+        self.translations = asked.into_iter().map(Option::unwrap_or_default).collect();
+        let (translations, relative) = (&self.translations, self.settings.relative);
+        let reference = |path: usize, frame: usize| rests[path].positions[frame] + translations[path];
         let value = |index: usize| held[index].target(Phase::Shape, relative, rotations[index]);
         self.shape.set_targets(value, reference);
         if let Some((rows, miss)) = self.shape.contradiction() {
@@ -281,7 +285,7 @@ impl SpatialComponent {
         solved.map_err(|error| SpatialError::Solver(Phase::Shape, error))?;
         let (shape, segments, chords, released) = (&self.shape, &self.segments, &self.chords, &self.released);
         let bend = |path: usize, shaped: &mut Vec<c64>, turned: &mut TurnedPath| {
-            let (rest, translation) = (&rests[path], translations[path].unwrap_or_default());
+            let (rest, translation) = (&rests[path], translations[path]);
             shape.points(path, |frame| rest.positions[frame] + translation, shaped);
             let kept = |(run, _): &(usize, _)| released.binary_search(&(path, *run)).is_err();
             let runs = rest.rigid.iter().zip(&chords[path]).enumerate().filter(kept);
@@ -335,6 +339,36 @@ impl SpatialComponent {
         }
         let constraints = unique(clashing.iter().map(|prepared| prepared.row.constraint).collect());
         Err(SpatialError::Conflict { constraints, miss: clash::miss_of(&clashing, miss) })
+    }
+
+    /// How the shape of path `path` answers to changes of itself; `None` where that cannot be said beforehand: stretches had
+    /// to be released, motions are free, or all frames had to be solved.
+    pub fn response(&self, path: usize) -> Option<PathResponse> {
+        self.released.is_empty().then(|| self.shape.response(path)).flatten()
+    }
+
+    /// Shape energy with that of soft constraints if path `path` were that of `rests`, with the rows `held` on them; `None`
+    /// where more would change than that. `response`: of this path and the present factorisation.
+    pub fn shape_energy_if(
+        &self,
+        response: &PathResponse,
+        path: usize,
+        rests: &[&RestPath],
+        mut held: Vec<Prepared>,
+    ) -> Option<f64> {
+        if self.settings.facing == FacingMode::TangentBlend {
+            leave_to_the_body(&mut held, rests);
+        }
+        let alike = |(a, b): (&Prepared, &Prepared)| {
+            let same = (a.row.constraint, a.body_only, a.partner_row)
+                == (b.row.constraint, b.body_only, b.partner_row);
+            same && a.ignores_rotations() && b.ignores_rotations()
+        };
+        if held.len() != self.held.len() || !held.iter().zip(&self.held).all(alike) {
+            return None;
+        }
+        let changed = ChangedPath { path, rests, held: &held, translations: &self.translations };
+        shape_energy_if(&self.shape, response, &changed, &self.settings)
     }
 
     /// Constraints with hard rows that others imply, in either phase.
