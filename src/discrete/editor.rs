@@ -160,7 +160,7 @@ impl DiscreteEditor {
             kind,
             at,
             interval,
-            frames: changed as i64 - count as i64,
+            frames: gained(count, changed),
             occasion,
             energy: (before, energy),
         });
@@ -326,4 +326,10 @@ impl DiscreteEditor {
             }
         }
     }
+}
+
+/// Frames that came, less those that went.
+fn gained(count: usize, changed: usize) -> i64 {
+    let difference = i64::try_from(changed.abs_diff(count)).expect("tracks have fewer than 2^63 frames");
+    if changed < count { -difference } else { difference }
 }
