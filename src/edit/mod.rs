@@ -7,6 +7,7 @@
 //! ```
 
 pub mod settings;
+pub mod direction;
 pub mod hold;
 pub mod reference;
 pub mod bodies;
@@ -29,6 +30,7 @@ pub mod temporal;
 pub mod error;
 pub mod note;
 pub mod expand;
+pub mod retarget;
 pub mod following;
 pub mod groups;
 pub mod mixing;

@@ -4,19 +4,21 @@
 //! right-hand sides, substitutions and one pass over the frames. Source: Kim et al. 2009, §4.1–4.2, in the forms that
 //! the module docs of `springs`, `hold` and `reference` give.
 
-use cotillion_solvers::{KktError, PathResponse};
+mod changed;
+
+use cotillion_solvers::KktError;
 
 use crate::edit::bodies::{first_disagreement, leave_to_the_body, spread_still_rotations};
 use crate::edit::clash::{self, Miss};
 use crate::edit::columns::Freedom;
+use crate::edit::direction::{Direction, run_chord};
 use crate::edit::facing::{Body, hold_facings};
-use crate::edit::hold::{Direction, Hold, Phase, Prepared, Rotations, run_chord};
+use crate::edit::hold::{Hold, Phase, Prepared, Rotations};
 use crate::edit::parallel::for_each_path;
 use crate::edit::phase::PhaseSolver;
 use crate::edit::reference::reference_translations;
 use crate::edit::settings::{Backend, FacingMode, SpatialSettings};
 use crate::edit::turned::TurnedPath;
-use crate::edit::what_if::{ChangedPath, shape_energy_if};
 use crate::geometry::{c64, cis};
 use crate::index::ConstraintId;
 use crate::path::{RestPath, RestSegments};
@@ -339,36 +341,6 @@ impl SpatialComponent {
         }
         let constraints = unique(clashing.iter().map(|prepared| prepared.row.constraint).collect());
         Err(SpatialError::Conflict { constraints, miss: clash::miss_of(&clashing, miss) })
-    }
-
-    /// How the shape of path `path` answers to changes of itself; `None` where that cannot be said beforehand: stretches had
-    /// to be released, motions are free, or all frames had to be solved.
-    pub fn response(&self, path: usize) -> Option<PathResponse> {
-        self.released.is_empty().then(|| self.shape.response(path)).flatten()
-    }
-
-    /// Shape energy with that of soft constraints if path `path` were that of `rests`, with the rows `held` on them; `None`
-    /// where more would change than that. `response`: of this path and the present factorisation.
-    pub fn shape_energy_if(
-        &self,
-        response: &PathResponse,
-        path: usize,
-        rests: &[&RestPath],
-        mut held: Vec<Prepared>,
-    ) -> Option<f64> {
-        if self.settings.facing == FacingMode::TangentBlend {
-            leave_to_the_body(&mut held, rests);
-        }
-        let alike = |(a, b): (&Prepared, &Prepared)| {
-            let same = (a.row.constraint, a.body_only, a.partner_row)
-                == (b.row.constraint, b.body_only, b.partner_row);
-            same && a.ignores_rotations() && b.ignores_rotations()
-        };
-        if held.len() != self.held.len() || !held.iter().zip(&self.held).all(alike) {
-            return None;
-        }
-        let changed = ChangedPath { path, rests, held: &held, translations: &self.translations };
-        shape_energy_if(&self.shape, response, &changed, &self.settings)
     }
 
     /// Constraints with hard rows that others imply, in either phase.
