@@ -251,7 +251,7 @@ fn bodies_are_reached_where_they_come_to_be() {
     // Who reaches nobody waits for nobody.
     let (_, alone) = misses(&scene);
     let (_, reached) = misses(&(scene.clone() + low));
-    assert!(alone.distance(reached) < 1e-9, "ann is reached and stays as she was");
+    assert!(alone.distance(reached) < 1e-9, "ann is reached and stays as she was: {}", alone.distance(reached));
 }
 
 proptest! {
