@@ -13,7 +13,7 @@ use crate::export::changes::{ChangesReport, DiscreteReport};
 use crate::geometry::{c64, wrap};
 use crate::index::{CharacterId, floor_index};
 use crate::metrics::shown_slides;
-use crate::object_motion::{AtRest, ObjectMotion, Owner, object_motions};
+use crate::object_motion::{ObjectMotion, Owner, object_motions};
 use crate::reach::{Miss, REACHED, Stage, carry_residuals, effector_residuals};
 use crate::resample::{Resampled, time_of};
 use crate::residual::{MomentTime, Residual, largest, moment_times, residuals_of};
@@ -69,7 +69,7 @@ pub struct CharacterReport {
     /// Smallest and largest time step, as multiples of the rest step.
     pub time_step: MinMax,
     /// Mean horizontal speed of feet in contact, m/s, while the character's own motion is shown: on output frames and
-    /// constrained moments; before the edit at the same instants of the clips, or over the whole track if that changed.
+    /// constrained moments; `rest` at the same instants of the track with all discrete changes, before bending.
     pub foot_slide: RestEdited,
     /// What became of the body; `null` where the full body is off.
     pub full_body: Option<FullBodyReport>,
@@ -245,8 +245,7 @@ fn character_report(
     let rest = &outcome.original.characters[who.as_usize()].track;
     let rest_last = rest.frame_count() as f64 - 1.0 + rest.overhang();
     let frames_in = floor_index(rest_last * WORKING_STEP * scene.fps + 1e-6) + 1;
-    let [rest_slide, edited_slide] =
-        slides(embodied, outcome, who, (frames_in, (resampled.start_time, frames_out)));
+    let [rest_slide, edited_slide] = shown_slides(scene, embodied, who, (resampled.start_time, frames_out));
     CharacterReport {
         name: character.name.clone(),
         frames_in,
@@ -268,23 +267,6 @@ fn character_report(
             .map(DiscreteReport::new)
             .collect(),
     }
-}
-
-/// Mean slide of feet before and after, m/s: at the same instants where the track is as it was, else over the whole original
-/// and over the whole result. `frames_in`: of the original; `clock`: scene time of output frame 0, and how many there are.
-fn slides(
-    embodied: &Embodied<'_>,
-    outcome: &Outcome,
-    who: CharacterId,
-    (frames_in, clock): (usize, (f64, usize)),
-) -> [f64; 2] {
-    let (scene, original) = (embodied.moved.scene, &outcome.original);
-    let shown = shown_slides(scene, embodied, who, clock);
-    if scene.characters[who.as_usize()].track.runs == original.characters[who.as_usize()].track.runs {
-        return shown;
-    }
-    let [rest, _] = shown_slides(original, &AtRest(original), who, (0.0, frames_in));
-    [rest, shown[1]]
 }
 
 fn constraint_report(constraint: &crate::constraint::Constraint, residual: &Residual) -> ConstraintReport {
