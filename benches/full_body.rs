@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use cotillion::clip::builtin::generate;
 use cotillion::clip::working::{WORKING_STEP, WorkingClip};
-use cotillion::full_body::{BodyInput, Effector, PlantMode, Target, refine};
+use cotillion::full_body::{BodyInput, Effector, PlantMode, Seams, Target, refine};
 use cotillion::geometry::{cis, plan_of, world_of, yaw};
 use cotillion::index::{JointId, SourceFrame};
 use cotillion::skeleton::{JointRole, Pose, Skeleton};
@@ -42,6 +42,7 @@ fn walk(frames: u32) -> (Skeleton, BodyInput) {
         contacts: working.contacts.clone(),
         rest,
         effectors: Vec::new(),
+        seams: Seams::default(),
     };
     (skeleton, input)
 }

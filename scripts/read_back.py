@@ -3,7 +3,8 @@
     python read_back.py SCENE RESULT_FOLDER
 
 SCENE is the scene file (TOML), or JSON with the same tables. Of its hard constraints those given as numbers are looked at:
-pins, places and facings relative to characters or objects, times, durations and synchronised moments. What holds as
+pins, places and facings relative to characters or objects, times, durations and synchronised moments, as they are after
+the drags of the scene. What holds as
 before the edit is looked at where both perform one BVH clip each of known unit, whose file is read as well. Where objects
 that move are comes from the animation in scene.glb, whose numbers are single precision. When a moment happens comes from
 report.json, as does what concerns times only. Where a moment falls on an output frame, places must hold
@@ -305,12 +306,31 @@ def instants(constraint):
     return [constraint["at"]] if "at" in constraint else list(constraint["during"])
 
 
+def drag(scene):
+    """Moves the targets of constraints to where the scene's drags end."""
+    tables = {
+        table.get("name", f"{kind}[{index}]"): table
+        for kind in ("pin", "relative", "time", "duration", "sync")
+        for index, table in enumerate(scene.get(kind, []))
+    }
+    for pull in scene.get("drag", []):
+        ends = {"position": "to", "facing": "facing", "offset": "offset", "seconds": "seconds"}
+        ends = {key: pull[end] for key, end in ends.items() if end in pull}
+        named = tables.get(pull["handle"])
+        if named is not None and "moments" in named:
+            ends = {"offset": ends["seconds"]}
+        for table in [named] if named is not None else scene.get("pin", []) + scene.get("time", []):
+            if named is not None or table.get("at") == pull["handle"]:
+                table |= {key: end for key, end in ends.items() if key in table or named is not None}
+
+
 def main():
     if len(sys.argv) != 3:
         print("usage: read_back.py SCENE RESULT_FOLDER", file=sys.stderr)
         return 2
     path, folder = map(Path, sys.argv[1:])
     scene = json.loads(path.read_text()) if path.suffix == ".json" else tomllib.loads(path.read_text())
+    drag(scene)
     checks = ReadBack(scene, path.parent, folder)
     checks.run()
     print(f"{checks.passed} passed, {checks.failed} failed" + (f", {checks.unchecked} left" if checks.unchecked else ""))

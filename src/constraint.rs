@@ -1,7 +1,7 @@
 //! What must hold: the constraint vocabulary of scenes.
 
-use crate::geometry::c64;
-use crate::index::{CharacterId, ObjectId};
+use crate::geometry::{c64, lerp_angle};
+use crate::index::{CharacterId, ConstraintId, ObjectId};
 
 /// Weight of a soft constraint whose author gives none; over an interval, weight of each of its working frames.
 pub const DEFAULT_WEIGHT: f64 = 10.0;
@@ -35,6 +35,8 @@ pub enum Instant {
         /// Working frame of that clip (`WorkingClip::working_frame` of the file's frame), a fraction where rates differ.
         working: f64,
     },
+    /// This track frame: where discrete edits have brought a moment of one of the other kinds.
+    Shown(f64),
 }
 
 /// When a constraint holds.
@@ -79,6 +81,30 @@ pub enum Relation<T> {
     AsBefore,
     /// Not held.
     Free,
+}
+
+/// Values of a relative constraint before all discrete changes, at shares of its interval from 0 to 1, rising; one at an
+/// instant.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Captured {
+    /// Shares of the interval.
+    pub shares: Vec<f64>,
+    /// Ahead + i·left of the partner, metres.
+    pub offsets: Vec<c64>,
+    /// Facing minus the partner's, radians.
+    pub facings: Vec<f64>,
+}
+
+impl Captured {
+    /// Offset and facing at a share of the interval, on straight lines between those known; of facings on the shorter arc.
+    pub fn at(&self, share: f64) -> (c64, f64) {
+        let next = self.shares.partition_point(|known| *known <= share);
+        let (low, high) = (next.saturating_sub(1), next.min(self.shares.len() - 1));
+        let width = self.shares[high] - self.shares[low];
+        let s = if width > 0.0 { (share - self.shares[low]) / width } else { 0.0 };
+        let offset = self.offsets[low] + s * (self.offsets[high] - self.offsets[low]);
+        (offset, lerp_angle(self.facings[low], self.facings[high], s))
+    }
 }
 
 /// What must hold.
@@ -142,6 +168,100 @@ pub struct Constraint {
     pub kind: ConstraintKind,
 }
 
+/// Where a constraint's target is dragged to.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Target {
+    /// Ground point of a pin, metres.
+    Position(c64),
+    /// Facing of a pin, or relative facing, radians.
+    Facing(f64),
+    /// Offset of a relative constraint, ahead + i·left, metres.
+    Offset(c64),
+    /// Time, duration, or offset of a synchronisation, seconds.
+    Seconds(f64),
+}
+
+/// A handle that is pulled in equal steps, one update each, from where it is.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Drag {
+    /// As the file names it: a moment or a constraint.
+    pub handle: String,
+    /// Constraints whose targets move, and where each goes.
+    pub targets: Vec<(ConstraintId, Target)>,
+    /// At least 1.
+    pub steps: usize,
+}
+
+/// Types of discrete changes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum ChangeKind {
+    /// Frames are taken out.
+    Delete,
+    /// Frames are shown twice.
+    Duplicate,
+    /// Frames from elsewhere are put in.
+    Insert,
+    /// Frames give way to others.
+    Replace,
+}
+
+/// How candidates for discrete changes are weighed.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Evaluator {
+    /// Exactly, in rising order of a lower bound, until what is left cannot win.
+    #[default]
+    Exact,
+    /// Exactly, all of them: the same choice for more work.
+    BruteForce,
+}
+
+/// What discrete editing may do in a scene.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Discrete {
+    /// Types that may happen.
+    pub kinds: Vec<ChangeKind>,
+    /// Whose tracks may change; `None`: everybody's.
+    pub characters: Option<Vec<CharacterId>>,
+    /// Intervals within which tracks may change, those of a character from its first to its second moment; `None`:
+    /// everywhere.
+    pub times: Option<Vec<(Moment, Moment)>>,
+    /// Rectangles of the ground plan, by opposite corners, metres, in which tracks may change before the edit; `None`:
+    /// everywhere.
+    pub regions: Option<Vec<(c64, c64)>>,
+    /// How candidates are weighed.
+    pub evaluator: Evaluator,
+    /// Whether changes go on after the last drag, until none is worth it.
+    pub settle: bool,
+}
+
+impl ChangeKind {
+    /// All of them.
+    pub const ALL: [Self; 4] = [Self::Delete, Self::Duplicate, Self::Insert, Self::Replace];
+
+    /// As scenes and reports name it.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Delete => "delete",
+            Self::Duplicate => "duplicate",
+            Self::Insert => "insert",
+            Self::Replace => "replace",
+        }
+    }
+}
+
+impl Default for Discrete {
+    fn default() -> Self {
+        Self {
+            kinds: ChangeKind::ALL.to_vec(),
+            characters: None,
+            times: None,
+            regions: None,
+            evaluator: Evaluator::default(),
+            settle: true,
+        }
+    }
+}
+
 impl When {
     /// The character whose moment or interval this is.
     pub fn character(&self) -> CharacterId {
@@ -155,6 +275,26 @@ impl When {
         match self {
             Self::At(moment) => vec![moment],
             Self::During(from, to) => vec![from, to],
+        }
+    }
+
+    /// The moments it names, to be changed.
+    pub fn moments_mut(&mut self) -> Vec<&mut Moment> {
+        match self {
+            Self::At(moment) => vec![moment],
+            Self::During(from, to) => vec![from, to],
+        }
+    }
+}
+
+impl Target {
+    /// What it moves, in words.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Position(_) => "position",
+            Self::Facing(_) => "facing",
+            Self::Offset(_) => "offset",
+            Self::Seconds(_) => "time",
         }
     }
 }
@@ -182,6 +322,20 @@ impl ConstraintKind {
             Self::Time { at, .. } => vec![at],
             Self::Duration { from, to, .. } => vec![from, to],
             Self::Sync { moments, .. } => moments.iter().flat_map(When::moments).collect(),
+        }
+    }
+
+    /// Every moment the constraint names, to be changed.
+    pub fn moments_mut(&mut self) -> Vec<&mut Moment> {
+        match self {
+            Self::Pin { when, .. } => when.moments_mut(),
+            Self::Relative { when, partner: Partner::Character(other), .. } => {
+                when.moments_mut().into_iter().chain(other.moments_mut()).collect()
+            }
+            Self::Relative { when, .. } => when.moments_mut(),
+            Self::Time { at, .. } => vec![at],
+            Self::Duration { from, to, .. } => vec![from, to],
+            Self::Sync { moments, .. } => moments.iter_mut().flat_map(When::moments_mut).collect(),
         }
     }
 }

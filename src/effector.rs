@@ -65,4 +65,13 @@ impl EndEffector {
             _ => own.collect(),
         }
     }
+
+    /// Every moment it names, to be changed.
+    pub fn moments_mut(&mut self) -> Vec<&mut Moment> {
+        let own = self.when.moments_mut().into_iter();
+        match &mut self.target {
+            EffectorTarget::Joint { when: Some(when), .. } => own.chain(when.moments_mut()).collect(),
+            _ => own.collect(),
+        }
+    }
 }

@@ -15,7 +15,7 @@ use crate::clip::contacts::annotated::AnnotatedContact;
 use crate::clip::contacts::{ContactPoint, Contacts, runs};
 use crate::edit::{Edit, Moved};
 use crate::fingers::hold_fingers;
-use crate::full_body::{BodyInput, BodyReport, Effector, PlantMode, Target, refine};
+use crate::full_body::{BodyInput, BodyReport, Cut, Effector, PlantMode, Seams, Target, refine};
 use crate::geometry::slerp;
 use crate::index::{CharacterId, SourceFrame};
 use crate::object_motion::{ObjectMotion, Performance, object_motions, skeleton_of};
@@ -25,6 +25,7 @@ use crate::reach::{
 use crate::resample::{Resampled, shown_contacts_at};
 use crate::scene::{Plants, Scene};
 use crate::skeleton::Pose;
+use crate::track::{Run, Track};
 
 /// Moments this near to an output frame are at it, seconds.
 const AT_FRAME: f64 = 1e-7;
@@ -182,6 +183,7 @@ fn body(
         moved: before.clone(),
         contacts: shown_contacts_at(track, &frames),
         effectors: targets.iter().map(effector).collect(),
+        seams: seams(track, &frames),
         times,
     };
     hold_fingers(&stage, who, (&input.times, &mut input.moved));
@@ -196,6 +198,22 @@ fn body(
         poses: refined.poses,
         planted: refined.planted,
         report: refined.report,
+    }
+}
+
+/// Seams of a track, seen at fractional frames of it, which rise.
+fn seams(track: &Track, frames: &[f64]) -> Seams {
+    if track.runs.len() == 1 {
+        return Seams::default();
+    }
+    let cut = |(index, (_, start)): (usize, (&Run, usize))| Cut {
+        // What lies between two runs belongs to the later one.
+        sample: frames.partition_point(|frame| *frame <= start as f64 - 1.0),
+        matched: track.matched(index),
+    };
+    Seams {
+        unblended: frames.iter().map(|frame| track.unblended(*frame)).collect(),
+        cuts: track.placed_runs().enumerate().skip(1).map(cut).collect(),
     }
 }
 

@@ -44,6 +44,7 @@ pub mod scene;
 pub mod object_motion;
 pub mod edit;
 pub mod graph;
+pub mod discrete;
 pub mod resample;
 pub mod reach;
 pub mod fingers;

@@ -89,7 +89,7 @@ fn joint_weight(role: Option<JointRole>) -> f64 {
 }
 
 /// Joints that count, with their weights.
-fn weighted_joints(skeleton: &Skeleton) -> Vec<(usize, f64)> {
+pub fn weighted_joints(skeleton: &Skeleton) -> Vec<(usize, f64)> {
     let weights = skeleton.joints.iter().map(|joint| joint_weight(joint.role)).enumerate();
     weights.filter(|(_, weight)| *weight > 0.0).collect()
 }

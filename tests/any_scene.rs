@@ -6,6 +6,7 @@ use std::fmt::Write;
 use std::path::Path;
 
 use cotillion::constraint::{Constraint, ConstraintKind, Partner, Strength};
+use cotillion::discrete::outcome::Outcome;
 use cotillion::edit::{EditError, Editor};
 use cotillion::embody::embody;
 use cotillion::export::bvh::BvhOptions;
@@ -234,7 +235,7 @@ fn perform(text: &str) -> Result<bool, TestCaseError> {
     prop_assert!(edit.energy.total.is_finite());
     let places = edit.characters.iter().flat_map(|character| &character.positions);
     let farthest = places.map(|p| p.norm()).fold(0.0, f64::max);
-    let told = report(&embodied, &edit, &resampled).constraints;
+    let told = report(&embodied, &Outcome::plain((scene.clone(), edit.clone())), &resampled).constraints;
     prop_assert!(told.iter().all(|constraint| constraint.residual.is_finite()));
     // As the paths leave the bodies: hands that reach far pull them off, which the report tells.
     for (constraint, residual) in editor.scene().constraints.iter().zip(residuals(editor.scene(), &edit)) {

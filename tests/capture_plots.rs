@@ -5,6 +5,7 @@ mod fingers;
 
 use std::path::{Path, PathBuf};
 
+use cotillion::discrete::outcome::Outcome;
 use cotillion::edit::{Edit, Editor};
 use cotillion::embody::{Embodied, embody};
 use cotillion::export::report::{Report, RestEdited, report};
@@ -85,7 +86,7 @@ fn play(path: &Path, folders: &ClipFolders, check: Check) -> Result<(), Failed> 
     let mut resampled = resample(&scene, edit).map_err(|error| error.to_string())?;
     let bodies = embody(&scene, edit, &mut resampled);
     let objects = object_motions(&scene, &bodies.moved);
-    let report = report(&bodies, edit, &resampled);
+    let report = report(&bodies, &Outcome::plain((scene.clone(), edit.clone())), &resampled);
     check(&Played { scene: &scene, bodies, objects, report })
 }
 

@@ -1,9 +1,12 @@
 //! What the program promises at the command line: exit codes, places and remedies of errors, and whole results or none.
 
+mod home;
+
 use std::fs;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::process::{Command, Output};
 
+use home::{Home, cotillion, stderr, stdout, text};
 use serde_json::Value;
 
 const SOUND: &str = r#"
@@ -25,62 +28,20 @@ position = [1.0, -4.0]
 strength = "hard"
 "#;
 
-fn cotillion(arguments: &[&str]) -> Output {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_cotillion"));
-    command.args(arguments).env_remove("COTILLION_MOCAP").env("NO_COLOR", "1");
-    command.env("XDG_CACHE_HOME", env!("CARGO_TARGET_TMPDIR"));
-    command.output().expect("the program starts")
-}
-
-fn stderr(output: &Output) -> String {
-    String::from_utf8_lossy(&output.stderr).into_owned()
+/// What is in a folder with a scene, by name.
+fn names(home: &Home) -> Vec<String> {
+    let mut names: Vec<String> = fs::read_dir(home.path(""))
+        .expect("readable")
+        .flatten()
+        .map(|entry| entry.file_name().to_string_lossy().into_owned())
+        .collect();
+    names.sort();
+    names
 }
 
 /// Errors as one line: they are broken to the width of the terminal.
 fn said(output: &Output) -> String {
     stderr(output).replace('│', " ").split_whitespace().collect::<Vec<_>>().join(" ")
-}
-
-fn stdout(output: &Output) -> String {
-    String::from_utf8_lossy(&output.stdout).into_owned()
-}
-
-/// A folder with one scene in it.
-struct Home {
-    folder: tempfile::TempDir,
-}
-
-impl Home {
-    fn with(scene: &str) -> Self {
-        let folder = tempfile::tempdir().expect("a temporary folder");
-        fs::write(folder.path().join("scene.toml"), scene).expect("a scene file");
-        Self { folder }
-    }
-
-    fn path(&self, name: &str) -> PathBuf {
-        self.folder.path().join(name)
-    }
-
-    fn run(&self, more: &[&str]) -> Output {
-        let (scene, result) = (self.path("scene.toml"), self.path("result"));
-        let mut arguments = vec!["run", text(&scene), "-o", text(&result)];
-        arguments.extend(more);
-        cotillion(&arguments)
-    }
-
-    fn names(&self) -> Vec<String> {
-        let mut names: Vec<String> = fs::read_dir(self.folder.path())
-            .expect("readable")
-            .flatten()
-            .map(|entry| entry.file_name().to_string_lossy().into_owned())
-            .collect();
-        names.sort();
-        names
-    }
-}
-
-fn text(path: &Path) -> &str {
-    path.to_str().expect("temporary paths are UTF-8")
 }
 
 #[test]
@@ -132,7 +93,7 @@ fn contradicting_constraints_end_with_exit_code_1_and_leave_nothing() {
     for part in ["\"ann arrives\" (line 13)", "\"ann stays\" (line 19)", "0.5", "help: "] {
         assert!(said.contains(part), "{part} in {said}");
     }
-    assert_eq!(home.names(), ["scene.toml"]);
+    assert_eq!(names(&home), ["scene.toml"]);
     let output = home.run(&["--json"]);
     let errors: Value = serde_json::from_slice(&output.stderr).expect("JSON and nothing else");
     assert_eq!(errors[0]["line"], 19);
@@ -150,7 +111,7 @@ fn times_that_the_bounds_forbid_are_explained() {
     assert_eq!(output.status.code(), Some(1));
     let said = said(&output);
     assert!(said.contains("\"slow\" (line 19)") && said.contains("s are missing"), "{said}");
-    assert_eq!(home.names(), ["scene.toml"]);
+    assert_eq!(names(&home), ["scene.toml"]);
 }
 
 #[test]
@@ -170,7 +131,7 @@ fn a_result_that_cannot_be_written_ends_with_exit_code_2() {
     let output = home.run(&[]);
     assert_eq!(output.status.code(), Some(2));
     assert!(stderr(&output).contains("cannot be written"), "{}", stderr(&output));
-    assert_eq!(home.names(), ["result", "scene.toml"]);
+    assert_eq!(names(&home), ["result", "scene.toml"]);
     assert_eq!(fs::read(home.path("result")).expect("still there"), b"in the way");
 }
 

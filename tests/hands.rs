@@ -201,7 +201,8 @@ facing = 180.0
 strength = \"hard\"
 ";
 
-/// By how much each end effector of a scene is missed, metres, and the left toe of the first character at 4.017 s.
+/// By how much each end effector of a scene is missed, metres, and the right hand of the first character at 4 s, half a frame before they
+/// meet.
 fn misses(text: &str) -> (Vec<f64>, DVec3) {
     let scene = load(text);
     let mut editor = Editor::new(scene.clone()).expect("a regular scene");
@@ -213,10 +214,10 @@ fn misses(text: &str) -> (Vec<f64>, DVec3) {
     let stage = Stage { scene: &scene, performance: &moved, objects: &objects };
     let ann = CharacterId(0);
     let skeleton = &scene.characters[0].track.clips[0].clip.skeleton;
-    let toe = skeleton.joint_of(JointRole::LeftToe).expect("generated bodies have toes");
-    let pose = embodied.pose(ann, embodied.frame(ann, 4.017));
-    let toe = skeleton.forward_kinematics(&pose)[toe.as_usize()].position;
-    (effector_residuals(&stage, &embodied).into_iter().map(|miss| miss.metres).collect(), toe)
+    let hand = skeleton.joint_of(JointRole::RightHand).expect("generated bodies have hands");
+    let pose = embodied.pose(ann, embodied.frame(ann, 4.0));
+    let hand = skeleton.forward_kinematics(&pose)[hand.as_usize()].position;
+    (effector_residuals(&stage, &embodied).into_iter().map(|miss| miss.metres).collect(), hand)
 }
 
 fn face_to_face(stature: f64, distance: f64) -> String {
@@ -252,6 +253,8 @@ fn bodies_are_reached_where_they_come_to_be() {
     let (_, alone) = misses(&scene);
     let (_, reached) = misses(&(scene.clone() + low));
     assert!(alone.distance(reached) < 1e-9, "ann is reached and stays as she was");
+    let (_, reaching) = misses(&(scene.clone() + chest));
+    assert!(alone.distance(reaching) > 0.01, "who reaches does not: {}", alone.distance(reaching));
 }
 
 proptest! {

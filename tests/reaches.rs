@@ -3,6 +3,7 @@
 mod relay;
 
 use cotillion::constraint::When;
+use cotillion::discrete::outcome::Outcome;
 use cotillion::edit::Moved;
 use cotillion::embody::embody;
 use cotillion::export::bvh::BvhOptions;
@@ -188,7 +189,8 @@ fn reports_tell_who_has_what_and_what_is_not_reached() {
         let files = scene_files(&scene, &edit, &resampled, &BvhOptions::default());
         let svg = files.iter().find(|file| file.name == "scene.svg").expect("a picture");
         let svg = String::from_utf8(svg.bytes.clone()).expect("text");
-        (serde_json::to_value(report(&embodied, &edit, &resampled)).expect("JSON"), svg)
+        let outcome = Outcome::plain((scene.clone(), edit.clone()));
+        (serde_json::to_value(report(&embodied, &outcome, &resampled)).expect("JSON"), svg)
     };
     let (relay, svg) = told(RELAY);
     for meaning in ["way of an object", "grasped", "released"] {

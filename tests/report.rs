@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use cotillion::discrete::outcome::Outcome;
 use cotillion::edit::Editor;
 use cotillion::embody::embody;
 use cotillion::export::body_report::{DriftReport, FullBodyReport};
@@ -38,7 +39,7 @@ fn told(text: &str) -> Report {
     let edit = editor.solve().expect("the constraints agree").clone();
     let mut resampled = resample(editor.scene(), &edit).expect("a result of usual length");
     let embodied = embody(editor.scene(), &edit, &mut resampled);
-    report(&embodied, &edit, &resampled)
+    report(&embodied, &Outcome::plain((editor.scene().clone(), edit.clone())), &resampled)
 }
 
 fn body(text: &str) -> FullBodyReport {

@@ -1,14 +1,15 @@
-//! Every scene of `scenes/` runs, and what it says holds: hard constraints to 1e-9, synchronised moments to 1e-9 s,
-//! finite poses, feet that slide no
-//! more than captured, the same bytes twice, the same answer by both backends. Scenes on real capture are reported as skipped where there is none.
+//! Every scene of `scenes/` runs with its drags, and what it says holds: hard constraints to 1e-9, synchronised moments to 1e-9 s,
+//! finite poses, feet that slide no more than captured, the same bytes twice, the same answer by both backends. Scenes on real
+//! capture are reported as skipped where there is none.
 
 mod agree;
+mod performed;
 
 use std::fs;
 use std::path::{Path, PathBuf};
 
 use cotillion::constraint::{ConstraintKind, Strength};
-use cotillion::edit::Editor;
+use cotillion::discrete::outcome::Outcome;
 use cotillion::embody::embody;
 use cotillion::export::bvh::BvhOptions;
 use cotillion::export::report::{RestEdited, report};
@@ -72,18 +73,30 @@ fn holds(path: &Path, folders: &ClipFolders) -> Result<(), Failed> {
         return Err("two runs give different bytes".into());
     }
     let stem = path.file_stem().unwrap_or_default().to_string_lossy();
-    let shown = Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("docs/{stem}.svg"));
-    let picture = files.iter().find(|(name, _)| name == "scene.svg").map(|(_, bytes)| bytes);
-    if shown.is_file() && Some(&fs::read(&shown)?) != picture {
-        return Err(format!("{} is not what the scene gives; run it again", shown.display()).into());
+    shown(&format!("{stem}.svg"), || Ok(files))?;
+    shown(&format!("{stem}_before.svg"), || edited(&Scene { drags: Vec::new(), discrete: None, ..scene }))
+}
+
+/// Compares a picture in `docs/` with that of the scene, where there is one.
+fn shown(name: &str, files: impl FnOnce() -> Result<Vec<(String, Vec<u8>)>, Failed>) -> Result<(), Failed> {
+    let picture = Path::new(env!("CARGO_MANIFEST_DIR")).join("docs").join(name);
+    if !picture.is_file() {
+        return Ok(());
+    }
+    let drawn = files()?.into_iter().find(|(name, _)| name == "scene.svg").map(|(_, bytes)| bytes);
+    if Some(fs::read(&picture)?) != drawn {
+        return Err(format!("{} is not what the scene gives; run it again", picture.display()).into());
     }
     Ok(())
 }
 
-/// Edits `scene`, checks its hard constraints, returns its files.
+/// Edits and drags `scene`, checks its hard constraints, returns its files.
 fn edited(scene: &Scene) -> Result<Vec<(String, Vec<u8>)>, Failed> {
-    let mut editor = Editor::new(scene.clone()).map_err(|error| error.to_string())?;
-    let edit = editor.solve().map_err(|error| error.to_string())?;
+    let outcome = performed::performed(scene.clone()).map_err(|error| error.to_string())?;
+    let Outcome { scene, edit, log, .. } = &outcome;
+    if !scene.drags.is_empty() && scene.discrete.is_some() && log.is_empty() {
+        return Err("no step comes or goes, whatever is dragged".into());
+    }
     let mut hard = 0;
     for (constraint, residual) in scene.constraints.iter().zip(residuals(scene, edit)) {
         if constraint.strength != Strength::Hard {
@@ -107,7 +120,7 @@ fn edited(scene: &Scene) -> Result<Vec<(String, Vec<u8>)>, Failed> {
     }
     let mut resampled = resample(scene, edit).map_err(|error| error.to_string())?;
     let embodied = embody(scene, edit, &mut resampled);
-    for told in report(&embodied, edit, &resampled).characters {
+    for told in report(&embodied, &outcome, &resampled).characters {
         let RestEdited { rest, edited } = told.foot_slide;
         // What drifts as captured does so faster where time is pressed together.
         let allowed = rest / told.time_step.min.min(1.0) + SLIDE;

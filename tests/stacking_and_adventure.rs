@@ -1,10 +1,14 @@
 //! What the scenes of the stack and of the adventure say of themselves holds: boxes never jump and are never without owner or
 //! resting place, hands stay on them, the stack is as high as its parts; touches are exact and in the order of the story.
 
+mod performed;
+
 use std::path::Path;
+use std::sync::LazyLock;
 
 use cotillion::constraint::{Constraint, ConstraintKind, Moment, Strength};
-use cotillion::edit::{Edit, Editor, Moved};
+use cotillion::discrete::outcome::Outcome;
+use cotillion::edit::{Edit, Moved};
 use cotillion::effector::EffectorTarget;
 use cotillion::embody::embody;
 use cotillion::geometry::{c64, plan_of, wrap};
@@ -34,12 +38,14 @@ const CLEAR: f64 = 0.08;
 /// What who takes a box from a push leaves open: the pusher's hands leave it first, seconds.
 const HANDS_CHANGE: f64 = 1e-6;
 
-fn solved(name: &str) -> (Scene, Edit) {
+static STACKING: LazyLock<Outcome> = LazyLock::new(|| played("stacking.toml"));
+static ADVENTURE: LazyLock<Outcome> = LazyLock::new(|| played("adventure.toml"));
+
+/// A scene of ours, edited and dragged.
+fn played(name: &str) -> Outcome {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes").join(name);
     let scene = load(&path, &ClipFolders::default()).expect("a sound scene").scene;
-    let mut editor = Editor::new(scene).expect("a regular scene");
-    let edit = editor.solve().expect("the constraints agree").clone();
-    (editor.scene().clone(), edit)
+    performed::performed(scene).expect("the constraints agree")
 }
 
 fn apart(a: ObjectPose, b: ObjectPose) -> f64 {
@@ -81,22 +87,22 @@ fn resting_place(scene: &Scene, motions: &[ObjectMotion], moved: &Moved<'_>, pla
 
 #[test]
 fn boxes_never_jump_and_always_have_an_owner_or_a_resting_place() {
-    let (scene, edit) = solved("stacking.toml");
-    let moved = Moved { scene: &scene, characters: &edit.characters };
-    let motions = object_motions(&scene, &moved);
+    let Outcome { scene, edit, .. } = &*STACKING;
+    let moved = Moved { scene, characters: &edit.characters };
+    let motions = object_motions(scene, &moved);
     for (object, motion) in motions.iter().enumerate() {
         let name = &scene.objects[object].name;
         assert_eq!(motion.spans[0].from, f64::NEG_INFINITY);
         assert_eq!(motion.spans.last().map(|span| span.to), Some(f64::INFINITY));
         assert!(motion.spans.windows(2).all(|pair| pair[0].to == pair[1].from), "{name}: no gap, no overlap");
         for span in &motion.spans[1..] {
-            let at = |time| motion.pose_at(&scene, &moved, time);
+            let at = |time| motion.pose_at(scene, &moved, time);
             let jump = apart(at(span.from.next_down()), at(span.from.next_up()));
             assert!(jump < CONTINUOUS, "{name} jumps by {jump:e} at {}", span.from);
         }
         let rests = motion.spans.iter().filter(|span| !matches!(span.owner, Owner::Carried(_)));
         for span in rests.filter(|span| span.to - span.from > HANDS_CHANGE) {
-            let height = resting_place(&scene, &motions, &moved, (object, span.from.max(0.0)));
+            let height = resting_place(scene, &motions, &moved, (object, span.from.max(0.0)));
             assert!(
                 height.abs() < LEVEL,
                 "{name} hangs {height:e} above what it rests on from {}",
@@ -108,13 +114,13 @@ fn boxes_never_jump_and_always_have_an_owner_or_a_resting_place() {
 
 #[test]
 fn the_stack_is_as_high_as_its_parts_together() {
-    let (scene, edit) = solved("stacking.toml");
-    let moved = Moved { scene: &scene, characters: &edit.characters };
-    let motions = object_motions(&scene, &moved);
+    let Outcome { scene, edit, .. } = &*STACKING;
+    let moved = Moved { scene, characters: &edit.characters };
+    let motions = object_motions(scene, &moved);
     let end = motions.iter().flat_map(|motion| motion.spans.last()).map(|span| span.from).fold(0.0, f64::max);
     let [pallet, first, second] = ["pallet", "box_1", "box_2"].map(|name| {
         let object = scene.objects.iter().position(|object| object.name == name).expect("it is there");
-        (motions[object].pose_at(&scene, &moved, end), scene.objects[object].size[1])
+        (motions[object].pose_at(scene, &moved, end), scene.objects[object].size[1])
     });
     let top = second.0.position.y + second.1;
     assert!((top - (pallet.1 + first.1 + second.1)).abs() < LEVEL, "{top}");
@@ -127,24 +133,24 @@ fn the_stack_is_as_high_as_its_parts_together() {
 
 #[test]
 fn hands_stay_on_what_they_push_lift_and_carry() {
-    let (scene, edit) = solved("stacking.toml");
-    let mut resampled = resample(&scene, &edit).expect("a result of usual length");
-    let embodied = embody(&scene, &edit, &mut resampled);
-    let objects = object_motions(&scene, &embodied.moved);
-    let stage = Stage { scene: &scene, performance: &embodied.moved, objects: &objects };
+    let Outcome { scene, edit, .. } = &*STACKING;
+    let mut resampled = resample(scene, edit).expect("a result of usual length");
+    let embodied = embody(scene, edit, &mut resampled);
+    let objects = object_motions(scene, &embodied.moved);
+    let stage = Stage { scene, performance: &embodied.moved, objects: &objects };
     for (carry, miss) in scene.carries.iter().zip(carry_residuals(&stage, &embodied)) {
         assert!(miss < REACHED, "{}: {miss}", carry.name);
     }
-    for (name, _, miss) in syncs(&scene, &edit) {
+    for (name, _, miss) in syncs(scene, edit) {
         assert!(miss < SIMULTANEOUS, "{name}: {miss:e}");
     }
 }
 
 #[test]
 fn who_carry_together_stay_opposite_each_other() {
-    let (scene, edit) = solved("stacking.toml");
-    let moved = Moved { scene: &scene, characters: &edit.characters };
-    let rest = AtRest(&scene);
+    let Outcome { scene, edit, .. } = &*STACKING;
+    let moved = Moved { scene, characters: &edit.characters };
+    let rest = AtRest(scene);
     let carry = scene.carries.iter().find(|carry| carry.by.len() == 2).expect("two carry the pallet");
     let seen = |performance: &dyn Fn(usize, f64) -> c64, frame: f64| {
         performance(carry.by[1].as_usize(), frame) - performance(carry.by[0].as_usize(), frame)
@@ -165,19 +171,19 @@ fn who_carry_together_stay_opposite_each_other() {
 
 #[test]
 fn touches_are_exact_and_in_the_order_of_the_story() {
-    let (scene, edit) = solved("adventure.toml");
-    let mut resampled = resample(&scene, &edit).expect("a result of usual length");
-    let embodied = embody(&scene, &edit, &mut resampled);
-    let objects = object_motions(&scene, &embodied.moved);
-    let stage = Stage { scene: &scene, performance: &embodied.moved, objects: &objects };
+    let Outcome { scene, edit, .. } = &*ADVENTURE;
+    let mut resampled = resample(scene, edit).expect("a result of usual length");
+    let embodied = embody(scene, edit, &mut resampled);
+    let objects = object_motions(scene, &embodied.moved);
+    let stage = Stage { scene, performance: &embodied.moved, objects: &objects };
     assert_eq!(scene.end_effectors.len(), 4);
     for (touch, miss) in scene.end_effectors.iter().zip(effector_residuals(&stage, &embodied)) {
         assert!(miss.metres < REACHED, "{}: {}", touch.name, miss.metres);
     }
     let joint = |moment: &Moment, joint: JointId| {
-        let (who, time) = (moment.character, moment_time(&scene, &embodied, moment));
+        let (who, time) = (moment.character, moment_time(scene, &embodied, moment));
         let pose = embodied.pose(who, embodied.frame(who, time));
-        skeleton_of(&scene, who).forward_kinematics(&pose)[joint.as_usize()].position
+        skeleton_of(scene, who).forward_kinematics(&pose)[joint.as_usize()].position
     };
     for touch in &scene.end_effectors {
         let EffectorTarget::Joint { joint: chest, point, when: Some(theirs), .. } = &touch.target else {
@@ -186,7 +192,7 @@ fn touches_are_exact_and_in_the_order_of_the_story() {
         let (hand, back) = (joint(touch.when.moments()[0], touch.joint), joint(theirs.moments()[0], *chest));
         assert!((hand.distance(back) - point.length()).abs() < REACHED, "{}", touch.name);
     }
-    let syncs = syncs(&scene, &edit);
+    let syncs = syncs(scene, edit);
     let time = |story: &str| {
         let sync = syncs.iter().find(|(name, ..)| name == story).expect("the scene has this moment");
         assert!(sync.2 < SIMULTANEOUS, "{story}: {:e}", sync.2);
@@ -209,21 +215,21 @@ fn touches_are_exact_and_in_the_order_of_the_story() {
 /// Soles of who jumps are above everything of the child as long as they are over it.
 #[test]
 fn who_jumps_clears_the_child() {
-    let (scene, edit) = solved("adventure.toml");
-    let mut resampled = resample(&scene, &edit).expect("a result of usual length");
-    let embodied = embody(&scene, &edit, &mut resampled);
+    let Outcome { scene, edit, .. } = &*ADVENTURE;
+    let mut resampled = resample(scene, edit).expect("a result of usual length");
+    let embodied = embody(scene, edit, &mut resampled);
     let who = |name: &str| {
         let found = scene.characters.iter().position(|character| character.name == name);
         CharacterId::from_usize(found.expect("the scene has this character"))
     };
     let places = |who: CharacterId, time: f64| -> Vec<DVec3> {
         let pose = embodied.pose(who, embodied.frame(who, time));
-        let frames = skeleton_of(&scene, who).forward_kinematics(&pose);
+        let frames = skeleton_of(scene, who).forward_kinematics(&pose);
         frames.iter().map(|frame| frame.position).collect()
     };
     let (jumper, child) = (who("shrink_1"), who("duck_2"));
     let relation = scene.constraints.iter().find(|one| one.name == "shrink_1 over duck_2").expect("it jumps");
-    let takeoff = moment_time(&scene, &embodied, relation.kind.moments()[0]);
+    let takeoff = moment_time(scene, &embodied, relation.kind.moments()[0]);
     for k in 0..=30 {
         let time = takeoff + f64::from(k) * 0.02;
         let low = places(child, time);
@@ -233,4 +239,19 @@ fn who_jumps_clears_the_child() {
             .fold(f64::INFINITY, f64::min);
         assert!(nearest > CLEAR, "{nearest} at {time}");
     }
+}
+
+/// Whose tracks have more frames after the drags than before.
+fn lengthened(outcome: &Outcome) -> Vec<&str> {
+    let pairs = outcome.original.characters.iter().zip(&outcome.scene.characters);
+    let longer = pairs.filter(|(before, after)| after.track.frame_count() > before.track.frame_count());
+    longer.map(|(before, _)| before.name.as_str()).collect()
+}
+
+#[test]
+fn steps_appear_where_somebody_is_dragged_away() {
+    let stacking = lengthened(&STACKING);
+    assert!(["pick_up_1", "carry_1"].iter().all(|name| stacking.contains(name)), "{stacking:?}");
+    let adventure = lengthened(&ADVENTURE);
+    assert!(["push_2", "shrink_2"].iter().all(|name| adventure.contains(name)), "{adventure:?}");
 }

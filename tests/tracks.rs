@@ -8,7 +8,7 @@ use cotillion::clip::working::WorkingClip;
 use cotillion::constraint::Instant;
 use cotillion::geometry::{c64, cis, log, wrap};
 use cotillion::index::SourceFrame;
-use cotillion::track::{Protected, Track};
+use cotillion::track::{Protected, SeamRule, Track};
 use proptest::prelude::*;
 
 /// Rounding of rigid motions of some metres.
@@ -28,7 +28,7 @@ fn meeting_clips() -> Vec<Arc<WorkingClip>> {
 }
 
 fn strung(protected: &[Protected]) -> Track {
-    Track::string(meeting_clips(), protected, (Some(c64::new(2.0, -1.0)), Some(0.4))).0
+    Track::string(meeting_clips(), protected, (Some(c64::new(2.0, -1.0)), Some(0.4)), SeamRule::Root).0
 }
 
 fn protect(entry: usize, working: f64) -> Protected {
@@ -69,7 +69,7 @@ fn a_seam_continues_the_step_of_the_source() {
 
 #[test]
 fn clips_meet_at_like_poses_within_a_second_of_their_ends() {
-    let (track, choices) = Track::string(meeting_clips(), &[], (None, None));
+    let (track, choices) = Track::string(meeting_clips(), &[], (None, None), SeamRule::Root);
     assert_eq!(choices.len(), 3);
     for (choice, runs) in choices.iter().zip(track.runs.windows(2)) {
         assert!(choice.distance < 0.1, "stands and cycles match: {choice:?}");
@@ -122,7 +122,7 @@ fn moments_find_their_frames() {
 #[test]
 fn one_clip_alone_is_not_touched() {
     let walk = clip("walk", &[]);
-    let (track, seams) = Track::string(vec![Arc::clone(&walk)], &[], (None, None));
+    let (track, seams) = Track::string(vec![Arc::clone(&walk)], &[], (None, None), SeamRule::Root);
     assert!(seams.is_empty());
     for frame in [0.0, 10.25, 57.5, 102.0] {
         assert_eq!(track.pose(frame), walk.pose(frame));
@@ -150,8 +150,8 @@ proptest! {
     /// Placing a track elsewhere moves its rest path rigidly.
     #[test]
     fn placement_is_rigid(x in -9.0..9.0_f64, y in -9.0..9.0_f64, facing in -3.0..3.0_f64) {
-        let here = Track::string(meeting_clips(), &[], (Some(c64::default()), Some(0.0))).0.rest_path();
-        let there = Track::string(meeting_clips(), &[], (Some(c64::new(x, y)), Some(facing))).0.rest_path();
+        let here = Track::string(meeting_clips(), &[], (Some(c64::default()), Some(0.0)), SeamRule::Root).0.rest_path();
+        let there = Track::string(meeting_clips(), &[], (Some(c64::new(x, y)), Some(facing)), SeamRule::Root).0.rest_path();
         for (p, q) in here.positions.iter().zip(&there.positions) {
             prop_assert!((cis(facing) * p + c64::new(x, y) - q).norm() < 1e-10);
         }

@@ -1,6 +1,8 @@
 //! `cotillion check`: every fault of every scene, and nothing solved.
 
-use cotillion::scene::{ClipFolders, Diagnostic, Loaded, load};
+use cotillion::constraint::{Drag, Target};
+use cotillion::index::ConstraintId;
+use cotillion::scene::{ClipFolders, Diagnostic, Loaded, Scene, load};
 use serde::Serialize;
 
 use super::output::Output;
@@ -13,7 +15,17 @@ struct Sound {
     characters: usize,
     frames: usize,
     constraints: usize,
+    drags: Vec<Dragged>,
     warnings: Vec<Diagnostic>,
+}
+
+/// What a drag moves.
+#[derive(Debug, Serialize)]
+struct Dragged {
+    handle: String,
+    /// Names of constraints, each with what of it moves.
+    moves: Vec<(String, &'static str)>,
+    steps: usize,
 }
 
 pub(crate) fn check(args: &CheckArgs) -> Result<(), Failure> {
@@ -29,16 +41,22 @@ pub(crate) fn check(args: &CheckArgs) -> Result<(), Failure> {
                     characters: scene.characters.len(),
                     frames: scene.characters.iter().map(|character| character.track.frame_count()).sum(),
                     constraints: scene.constraints.len(),
+                    drags: dragged(&scene),
                     warnings,
                 });
             }
             Err(found) => faults.push(found),
         }
     }
-    for Sound { file, characters, frames, constraints, .. } in &sound {
+    for Sound { file, characters, frames, constraints, drags, .. } in &sound {
         output.say(&format!(
             "{file}: sound ({characters} characters, {frames} working frames, {constraints} constraints)\n"
         ));
+        for Dragged { handle, moves, steps } in drags {
+            let moves: Vec<String> =
+                moves.iter().map(|(name, what)| format!("the {what} of {name}")).collect();
+            output.say(&format!("  {handle} drags {} in {steps} steps\n", moves.join(" and ")));
+        }
     }
     output.print_json(&sound);
     if faults.is_empty() {
@@ -46,4 +64,15 @@ pub(crate) fn check(args: &CheckArgs) -> Result<(), Failure> {
     }
     output.faults(&faults);
     Err(Failure::BadInput)
+}
+
+fn dragged(scene: &Scene) -> Vec<Dragged> {
+    let moves = |drag: &Drag| {
+        let named = |(id, target): &(ConstraintId, Target)| {
+            (scene.constraints[id.as_usize()].name.clone(), target.name())
+        };
+        drag.targets.iter().map(named).collect()
+    };
+    let all = scene.drags.iter();
+    all.map(|drag| Dragged { handle: drag.handle.clone(), moves: moves(drag), steps: drag.steps }).collect()
 }

@@ -82,6 +82,8 @@ struct RunArgs {
     #[command(flatten)]
     bvh: BvhArgs,
     #[command(flatten)]
+    cache: CacheArgs,
+    #[command(flatten)]
     manner: Manner,
 }
 

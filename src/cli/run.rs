@@ -1,8 +1,11 @@
 //! `cotillion run`: a scene in, its motion out.
 
 use std::path::Path;
+use std::sync::Arc;
 use std::time::Instant;
 
+use cotillion::discrete::drags::perform;
+use cotillion::discrete::outcome::Outcome;
 use cotillion::edit::error::Named;
 use cotillion::edit::{Backend, Edit, EditError, Editor};
 use cotillion::embody::embody;
@@ -11,6 +14,8 @@ use cotillion::export::picture::to_png;
 use cotillion::export::report::{Report, Timing, report};
 use cotillion::export::scene::scene_files;
 use cotillion::export::strips::strip_files;
+use cotillion::graph::scene::{graph_settings, scene_clips};
+use cotillion::graph_cache::cached_graph;
 use cotillion::resample::{TooLong, resample};
 use cotillion::scene::{ClipFolders, Diagnostic, Loaded, Scene, Severity, load};
 
@@ -34,7 +39,7 @@ pub(crate) fn run(args: &RunArgs) -> Result<(), Failure> {
         )?;
     bar.suspend(|| output.warnings(&warnings, &text));
     bar.inc(1);
-    let solved = solve(scene, args.backend.into(), &mut timing, &bar).map_err(|error| {
+    let solved = solved(scene, args, (&mut timing, &bar), &output).map_err(|error| {
         bar.finish_and_clear();
         output.diagnostics(&unsatisfiable(&args.scene, &text, &error), &text);
         Failure::Unsatisfiable
@@ -43,7 +48,7 @@ pub(crate) fn run(args: &RunArgs) -> Result<(), Failure> {
     let mut full_body = 0.0;
     let sampled = timed(&mut timing.export, || {
         bar.set_message("sampling");
-        let (scene, edit) = (solved.scene(), solved.edit());
+        let (scene, edit) = (&solved.scene, &solved.edit);
         let mut resampled = resample(scene, edit)?;
         bar.inc(1);
         bar.set_message("feet and hands");
@@ -53,7 +58,7 @@ pub(crate) fn run(args: &RunArgs) -> Result<(), Failure> {
         if args.strip {
             files.extend(strip_files(scene, edit, &resampled));
         }
-        Ok(report(&embodied, edit, &resampled))
+        Ok(report(&embodied, &solved, &resampled))
     });
     timing.full_body = full_body;
     timing.export -= full_body;
@@ -93,6 +98,29 @@ fn write(
     let mut milliseconds = 0.0;
     timed(&mut milliseconds, || write_all(&args.output, &files))?;
     Ok(milliseconds)
+}
+
+/// The scene after its drags and discrete changes.
+fn solved(
+    scene: Scene,
+    args: &RunArgs,
+    (timing, bar): (&mut Timing, &indicatif::ProgressBar),
+    output: &Output,
+) -> Result<Outcome, EditError> {
+    if scene.drags.is_empty() && scene.discrete.is_none() {
+        return Ok(Outcome::plain(solve(scene, args.backend.into(), timing, bar)?.into_parts()));
+    }
+    let clips = if scene.discrete.is_some() { scene_clips(&scene) } else { Vec::new() };
+    let settings = graph_settings(scene.mode);
+    bar.set_message("comparing frames");
+    let (graph, notes) =
+        timed(&mut timing.discrete, || cached_graph(&clips, &settings, args.cache.folder().as_deref()));
+    bar.suspend(|| notes.iter().for_each(|note| output.note(&note.to_string())));
+    bar.inc(1);
+    let told = |done: usize, all: usize| bar.set_message(format!("dragging: {done} of {all}"));
+    let editor = timed(&mut timing.solve, || perform(scene, Arc::new(graph), &clips, told))?;
+    bar.inc(1);
+    Ok(editor.into_outcome())
 }
 
 fn solve(

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use cotillion::export::body_report::{FullBodyReport, ShortfallReport};
-use cotillion::export::report::{CharacterReport, ConstraintReport, Report};
+use cotillion::export::report::{CharacterReport, ConstraintReport, Report, RestEdited};
 
 /// Springs that give by less are not told of, in the unit of what they hold; nor are plants that drift by less, metres.
 const TOLD: f64 = 0.01;
@@ -25,6 +25,7 @@ pub(crate) fn summary(report: &Report, folder: &Path) -> String {
             character.time_step.max,
         );
     }
+    text.extend(report.characters.iter().filter_map(changed));
     for character in &report.characters {
         if let Some(body) = &character.full_body {
             text += &body_lines(character, body);
@@ -35,6 +36,25 @@ pub(crate) fn summary(report: &Report, folder: &Path) -> String {
         text += &format!("note: {note}\n");
     }
     text + &format!("{} files in {}\n", report.files.len() + 1, folder.display())
+}
+
+/// What discrete changes did to a character's track, if there were any.
+fn changed(character: &CharacterReport) -> Option<String> {
+    let changes = character.changes.filter(|_| !character.discrete.is_empty())?;
+    let frames = |came: bool| -> i64 {
+        let of_sign = character.discrete.iter().filter(|change| (change.frames > 0) == came);
+        of_sign.map(|change| change.frames).sum()
+    };
+    let RestEdited { rest, edited } = changes.track_frames;
+    Some(format!(
+        "{:<12} {} discrete changes: {:+} and {:+} working frames, {rest} → {edited}   path stretched ×{:.2}, time ×{:.2}\n",
+        character.name,
+        character.discrete.len(),
+        frames(true),
+        frames(false),
+        changes.stretch.length,
+        changes.stretch.time,
+    ))
 }
 
 /// What of a constraint does not hold on the result, a line each.

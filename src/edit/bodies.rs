@@ -1,5 +1,7 @@
 //! Facings of people who stand: one turns the whole stationary stretch, the others turn the body on the spot.
 
+use std::borrow::Borrow;
+
 use crate::constraint::Strength;
 use crate::edit::hold::{Place, Prepared, Rotations};
 use crate::geometry::c64;
@@ -12,7 +14,7 @@ const SAME_MOMENT: f64 = 1e-9;
 
 /// Lets one facing turn each stationary stretch; the body alone turns for the others, which may differ, where facings are
 /// corrected. Hard ones decide before soft ones, earlier ones before later ones.
-pub fn leave_to_the_body(held: &mut [Prepared], rests: &[RestPath]) {
+pub fn leave_to_the_body(held: &mut [Prepared], rests: &[impl Borrow<RestPath>]) {
     let mut decided: Vec<(usize, usize, f64)> = Vec::new();
     let mut order: Vec<usize> = (0..held.len()).collect();
     order.sort_by_key(|row| held[*row].row.strength != Strength::Hard);
@@ -20,7 +22,8 @@ pub fn leave_to_the_body(held: &mut [Prepared], rests: &[RestPath]) {
     for row in order {
         let hold = held[row].row.hold;
         let in_run = hold.is_direction() && held[row].at.is_some_and(|direction| direction.in_run);
-        let Some(run) = rests[hold.at().path].rigid_at(hold.at().frame).filter(|_| in_run) else { continue };
+        let rest = rests[hold.at().path].borrow();
+        let Some(run) = rest.rigid_at(hold.at().frame).filter(|_| in_run) else { continue };
         let decider = decided.iter().find(|(path, start, _)| (*path, *start) == (hold.at().path, run.0));
         match decider {
             None => decided.push((hold.at().path, run.0, hold.at().frame)),

@@ -1,29 +1,32 @@
 //! The editor: built once per set of constraints, solved many times while targets move.
 
 mod moving;
+mod variant;
 
 use std::ops::Range;
 
 use rayon::prelude::*;
 
-use crate::constraint::{Constraint, ConstraintKind, Relation};
+use crate::constraint::{Constraint, ConstraintKind, Relation, Target};
 use crate::edit::energy::{Energy, Extent, length};
 use crate::edit::error::{EditError, Named};
-use crate::edit::expand::{Following, expand, retarget};
+use crate::edit::expand::{Following, expand};
 use crate::edit::groups::{Group, for_each_stale, spatial_groups, temporal_groups};
 use crate::edit::hold::{Hold, Phase};
 use crate::edit::moved::EditedCharacter;
 use crate::edit::note::EditNote;
+use crate::edit::retarget::retarget;
 use crate::edit::settings::{Backend, SpatialSettings};
 use crate::edit::spatial::{SpatialComponent, SpatialError};
 use crate::edit::temporal::{TemporalComponent, TemporalError};
 use crate::edit::time_row::StepBounds;
-use crate::geometry::c64;
 use crate::index::ConstraintId;
 use crate::path::RestPath;
 use crate::scene::{Mode, Scene};
 
 use crate::clip::working::WORKING_STEP;
+
+pub use variant::{Timing, Variant};
 
 /// Default bounds on time steps in production mode, as multiples of the rest step.
 const DEFAULT_BOUNDS: StepBounds = StepBounds { min: 0.5, max: 2.0 };
@@ -32,19 +35,6 @@ const DEFAULT_BOUNDS: StepBounds = StepBounds { min: 0.5, max: 2.0 };
 const SHORT_PATH: f64 = 0.5;
 /// A path within these ratios of its length before the edit is no surprise.
 const USUAL_RATIO: std::ops::RangeInclusive<f64> = 0.5..=2.0;
-
-/// Where a constraint's target is dragged to.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Target {
-    /// Ground point of a pin, metres.
-    Position(c64),
-    /// Facing of a pin, or relative facing, radians.
-    Facing(f64),
-    /// Offset of a relative constraint, ahead + i·left, metres.
-    Offset(c64),
-    /// Time, duration, or offset of a synchronisation, seconds.
-    Seconds(f64),
-}
 
 /// Result of a solve.
 #[derive(Clone, Debug, PartialEq)]
@@ -120,6 +110,11 @@ impl Editor {
     /// The scene, with its targets as they are now.
     pub fn scene(&self) -> &Scene {
         &self.scene
+    }
+
+    /// Scene and result, without what solves them.
+    pub fn into_parts(self) -> (Scene, Edit) {
+        (self.scene, self.edit)
     }
 
     /// The result of the last solve that succeeded; before the first, the motion at rest.
@@ -294,17 +289,6 @@ impl Editor {
             notes.extend(drastic.then(|| EditNote::Stretched { character: name(index), ratio }));
         }
         notes
-    }
-}
-
-impl Target {
-    fn name(self) -> &'static str {
-        match self {
-            Self::Position(_) => "position",
-            Self::Facing(_) => "facing",
-            Self::Offset(_) => "offset",
-            Self::Seconds(_) => "time",
-        }
     }
 }
 

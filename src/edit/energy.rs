@@ -69,10 +69,33 @@ impl Energy {
     }
 }
 
+impl Energy {
+    /// With the turns at seams, already weighted.
+    pub fn with_turns(self, turn: f64) -> Self {
+        Self { turn, total: self.total - self.turn + turn, ..self }
+    }
+}
+
 /// `|ΔL|` in paper mode; else `L′·|ln(L′/L)|`, for which half a cycle too long and half too short are not alike.
 fn length_change((rest, edited): (f64, f64), mode: Mode) -> f64 {
     match mode {
         Mode::Production if rest > 0.0 && edited > 0.0 => edited * (edited / rest).ln().abs(),
         _ => (edited - rest).abs(),
     }
+}
+
+/// A lower bound of what the length of an edited path costs, with the residuals of soft places that shorten it, in Ê.
+///
+/// `straight`: length of the lines between its places, metres; residuals that shorten them by R cost at least `R²/2g`, g
+/// being `give`. Costs are convex in lengths, so no more than `slope·R − R²/2g ≤ g·slope²/2` is saved.
+pub fn least_length_cost((rest, straight): (f64, f64), give: f64, mode: Mode) -> f64 {
+    if straight <= rest {
+        return 0.0;
+    }
+    let slope = match mode {
+        Mode::Production if rest > 0.0 => 1.0 + (straight / rest).ln(),
+        _ => 1.0,
+    };
+    let saved = 0.5 * give * (LENGTH * slope).powi(2);
+    (LENGTH * length_change((rest, straight), mode) - saved).max(0.0)
 }

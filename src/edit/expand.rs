@@ -1,10 +1,13 @@
 //! From a scene's constraints to rows at single instants. Source: Kim et al. 2009, §4.2–4.3.
 
-use crate::constraint::{Constraint, ConstraintKind, Moment, Partner, Relation, Strength, When};
+use std::collections::BTreeMap;
+
+use crate::constraint::{Captured, Constraint, ConstraintKind, Moment, Partner, Relation, Strength, When};
 use crate::edit::hold::{HeldRow, Hold, Place};
 use crate::edit::time_row::{TimePoint, TimeRow};
 use crate::geometry::{c64, cis, plan_of};
 use crate::index::{CharacterId, ConstraintId, ObjectId};
+use crate::object::ObjectPose;
 use crate::object_motion::{AtRest, ObjectMotion, Performance, object_motions};
 use crate::path::{self, RestPath};
 use crate::scene::Scene;
@@ -47,12 +50,22 @@ pub enum Wanted {
 
 /// Expands every constraint of `scene`, whose characters have the rest paths `rests`.
 pub fn expand(scene: &Scene, rests: &[RestPath]) -> Expansion {
+    expand_some(scene, &rests.iter().collect::<Vec<_>>(), |_| true)
+}
+
+/// Expands the constraints that are `wanted`.
+pub fn expand_some(
+    scene: &Scene,
+    rests: &[&RestPath],
+    wanted: impl Fn(&ConstraintKind) -> bool,
+) -> Expansion {
     let objects = object_motions(scene, &AtRest(scene));
     let rest = Rest { scene, rests, objects: &objects };
-    let mut expansion = Expansion::default();
-    for (index, Constraint { strength, kind, .. }) in scene.constraints.iter().enumerate() {
+    let mut expansion = Expansion { times: expand_times(scene, &wanted), ..Expansion::default() };
+    let constraints = scene.constraints.iter().enumerate().filter(|(_, constraint)| wanted(&constraint.kind));
+    for (index, Constraint { strength, kind, .. }) in constraints {
         let constraint = ConstraintId::from_usize(index);
-        for Sample { hold, share, follows } in holds(&rest, kind) {
+        for Sample { hold, share, follows } in holds(&rest, (constraint, kind)) {
             let row = expansion.held.len();
             expansion.following.extend(follows.map(|(object, before)| Following {
                 row,
@@ -62,21 +75,30 @@ pub fn expand(scene: &Scene, rests: &[RestPath]) -> Expansion {
             }));
             expansion.held.push(HeldRow { constraint, strength: shared(*strength, share), hold });
         }
-        expansion.times.extend(ties(scene, kind).into_iter().map(|tie| TimeRow {
-            constraint,
-            strength: shared(*strength, tie.share),
+    }
+    expansion
+}
+
+/// Temporal rows of the constraints that are `wanted`.
+pub fn expand_times(scene: &Scene, wanted: impl Fn(&ConstraintKind) -> bool) -> Vec<TimeRow> {
+    let constraints = scene.constraints.iter().enumerate().filter(|(_, constraint)| wanted(&constraint.kind));
+    let rows = |(index, constraint): (usize, &Constraint)| {
+        let row = move |tie: Tie| TimeRow {
+            constraint: ConstraintId::from_usize(index),
+            strength: shared(constraint.strength, tie.share),
             at: tie.at,
             minus: tie.minus,
             seconds: tie.seconds,
-        }));
-    }
-    expansion
+        };
+        ties(scene, &constraint.kind).into_iter().map(row).collect::<Vec<_>>()
+    };
+    constraints.flat_map(rows).collect()
 }
 
 /// The scene before the edit.
 struct Rest<'a> {
     scene: &'a Scene,
-    rests: &'a [RestPath],
+    rests: &'a [&'a RestPath],
     objects: &'a [ObjectMotion],
 }
 
@@ -90,10 +112,11 @@ struct Sample {
 }
 
 /// What a spatial constraint holds at each of its samples, with the sample's share of an interval.
-fn holds(rest: &Rest<'_>, kind: &ConstraintKind) -> Vec<Sample> {
+fn holds(rest: &Rest<'_>, (constraint, kind): (ConstraintId, &ConstraintKind)) -> Vec<Sample> {
     let (scene, rests) = (rest.scene, rest.rests);
     let mut all = Vec::new();
     let alone = |share: Option<f64>| move |hold: Hold| Sample { hold, share, follows: None };
+    let captured = scene.captured.get(&constraint);
     match kind {
         ConstraintKind::Pin { when, position, facing } => {
             for (frame, share) in samples(scene, when) {
@@ -103,16 +126,20 @@ fn holds(rest: &Rest<'_>, kind: &ConstraintKind) -> Vec<Sample> {
             }
         }
         ConstraintKind::Relative { when, partner, offset, facing } => {
-            for (frame, to, share) in pairs(scene, when, partner) {
+            let samples = pairs(scene, when, partner);
+            let shares = shares(&samples);
+            for ((frame, to, share), passed) in samples.into_iter().zip(shares) {
                 let at = place(scene, rests, when, frame);
+                let known = captured.map(|captured| captured.at(passed));
                 match (to, partner) {
                     (Some((when, frame)), _) => {
                         let to = place(scene, rests, when, frame);
-                        let holds = body_holds(rests, (at, to), (*offset, *facing));
+                        let before = known.unwrap_or_else(|| beside(rests, at, to));
+                        let holds = body_holds((at, to), before, (*offset, *facing));
                         all.extend(holds.into_iter().flatten().map(alone(share)));
                     }
                     (None, Partner::Object(object)) => {
-                        let holds = object_holds(rest, at, *object, (*offset, *facing));
+                        let holds = object_holds(rest, (at, known), *object, (*offset, *facing));
                         all.extend(holds.into_iter().flatten().map(|(hold, before)| {
                             let follows = scene.moves(*object).then_some((*object, before));
                             Sample { hold, share, follows }
@@ -127,30 +154,77 @@ fn holds(rest: &Rest<'_>, kind: &ConstraintKind) -> Vec<Sample> {
     all
 }
 
+/// Offset and facing of one place relative to another before the edit.
+fn beside(rests: &[&RestPath], at: Place, to: Place) -> (c64, f64) {
+    let offset = (rest_point(rests, at) - rest_point(rests, to)) * cis(-to.heading);
+    (offset, at.heading - to.heading)
+}
+
 fn body_holds(
-    rests: &[RestPath],
     (at, to): (Place, Place),
+    before: (c64, f64),
     (offset, facing): (Relation<c64>, Relation<f64>),
 ) -> [Option<Hold>; 2] {
-    let before = (rest_point(rests, at) - rest_point(rests, to)) * cis(-to.heading);
     [
-        value(offset, before).map(|offset| Hold::Offset { at, to, offset }),
-        value(facing, at.heading - to.heading).map(|angle| Hold::RelativeFacing { at, to, angle }),
+        value(offset, before.0).map(|offset| Hold::Offset { at, to, offset }),
+        value(facing, before.1).map(|angle| Hold::RelativeFacing { at, to, angle }),
     ]
+}
+
+/// Share of the interval that has passed at each of its samples; 0 at an instant.
+fn shares(samples: &[PairSample<'_>]) -> Vec<f64> {
+    let (first, last) = (samples[0].0, samples[samples.len() - 1].0);
+    let share =
+        |(frame, ..): &PairSample<'_>| if last > first { (frame - first) / (last - first) } else { 0.0 };
+    samples.iter().map(share).collect()
+}
+
+/// What the constraints of `scene` that ask for what was before the edit have now. Cost: that of [`expand`].
+pub fn capture(scene: &Scene, rests: &[RestPath]) -> BTreeMap<ConstraintId, Captured> {
+    let objects = object_motions(scene, &AtRest(scene));
+    let rests: &[&RestPath] = &rests.iter().collect::<Vec<_>>();
+    let rest = Rest { scene, rests, objects: &objects };
+    let mut all = BTreeMap::new();
+    for (index, constraint) in scene.constraints.iter().enumerate() {
+        let ConstraintKind::Relative { when, partner, offset, facing } = &constraint.kind else { continue };
+        if *offset != Relation::AsBefore && *facing != Relation::AsBefore {
+            continue;
+        }
+        let samples = pairs(scene, when, partner);
+        let mut captured = Captured { shares: shares(&samples), ..Captured::default() };
+        for (frame, to, _) in samples {
+            let at = place(scene, rests, when, frame);
+            let (offset, facing) = match (to, partner) {
+                (Some((when, frame)), _) => beside(rests, at, place(scene, rests, when, frame)),
+                (None, Partner::Object(object)) => beside_object(&rest, at, *object).1,
+                (None, Partner::Character(_)) => continue,
+            };
+            captured.offsets.push(offset);
+            captured.facings.push(facing);
+        }
+        all.insert(ConstraintId::from_usize(index), captured);
+    }
+    all
+}
+
+/// Pose of an object before the edit at the time of a place, and offset and facing of the place relative to it.
+fn beside_object(rest: &Rest<'_>, at: Place, object: ObjectId) -> (ObjectPose, (c64, f64)) {
+    let performance = AtRest(rest.scene);
+    let seconds = performance.time(CharacterId::from_usize(at.path), at.frame);
+    let pose = rest.objects[object.as_usize()].pose_at(rest.scene, &performance, seconds);
+    let offset = (rest_point(rest.rests, at) - pose.plan()) * cis(-pose.facing);
+    (pose, (offset, at.heading - pose.facing))
 }
 
 /// Place and facing relative to an object where it is at rest, each with its value before the edit.
 fn object_holds(
     rest: &Rest<'_>,
-    at: Place,
+    (at, known): (Place, Option<(c64, f64)>),
     object: ObjectId,
     (offset, facing): (Relation<c64>, Relation<f64>),
 ) -> [Option<(Hold, Wanted)>; 2] {
-    let performance = AtRest(rest.scene);
-    let seconds = performance.time(CharacterId::from_usize(at.path), at.frame);
-    let pose = rest.objects[object.as_usize()].pose_at(rest.scene, &performance, seconds);
-    let before = (rest_point(rest.rests, at) - pose.plan()) * cis(-pose.facing);
-    let turned = at.heading - pose.facing;
+    let (pose, found) = beside_object(rest, at, object);
+    let (before, turned) = known.unwrap_or(found);
     let position = value(offset, before).map(|offset| Hold::Position { at, target: pose.beside(offset) });
     let heading = value(facing, turned).map(|angle| Hold::Facing { at, heading: pose.facing + angle });
     [position.map(|hold| (hold, Wanted::Offset(before))), heading.map(|hold| (hold, Wanted::Facing(turned)))]
@@ -262,9 +336,9 @@ fn pairs<'a>(scene: &Scene, when: &When, partner: &'a Partner) -> Vec<PairSample
 }
 
 /// The instant at a track frame, with what the rest motion says there.
-fn place(scene: &Scene, rests: &[RestPath], when: &When, frame: f64) -> Place {
+fn place(scene: &Scene, rests: &[&RestPath], when: &When, frame: f64) -> Place {
     let path = when.character().as_usize();
-    let (track, rest) = (&scene.characters[path].track, &rests[path]);
+    let (track, rest) = (&scene.characters[path].track, rests[path]);
     let whole = (frame - frame.round()).abs() < 1e-9 && frame.round() < rest.len() as f64;
     let frame = if whole { frame.round() } else { frame };
     let detail = if whole {
@@ -276,51 +350,6 @@ fn place(scene: &Scene, rests: &[RestPath], when: &When, frame: f64) -> Place {
 }
 
 /// Point of the rest motion at a place.
-fn rest_point(rests: &[RestPath], place: Place) -> c64 {
+fn rest_point(rests: &[&RestPath], place: Place) -> c64 {
     path::at(&rests[place.path].positions, place.frame) + place.detail
-}
-
-/// Sets the numbers of `row` anew from its constraint, whose structure has not changed; `true` if coefficients changed
-/// rather than targets. Rows relative to objects that move stay as they are: the next solve sets them.
-pub fn retarget(row: &mut HeldRow, scene: &Scene) -> bool {
-    match &scene.constraints[row.constraint.as_usize()].kind {
-        ConstraintKind::Pin { position, facing, .. } => {
-            match &mut row.hold {
-                Hold::Position { target, .. } => *target = position.unwrap_or(*target),
-                Hold::Facing { heading, .. } => *heading = facing.unwrap_or(*heading),
-                Hold::Offset { .. } | Hold::RelativeFacing { .. } | Hold::Beside { .. } => {}
-            }
-            false
-        }
-        ConstraintKind::Relative { offset, facing, partner: Partner::Character(_), .. } => {
-            match &mut row.hold {
-                Hold::Offset { offset: own, .. } => replace(own, offset),
-                Hold::RelativeFacing { angle, .. } => replace(angle, facing),
-                Hold::Position { .. } | Hold::Facing { .. } | Hold::Beside { .. } => false,
-            }
-        }
-        ConstraintKind::Relative { offset, facing, partner: Partner::Object(object), .. } => {
-            if scene.moves(*object) {
-                return false;
-            }
-            let pose = scene.objects[object.as_usize()].course.pose_at(0.0);
-            match (&mut row.hold, offset, facing) {
-                (Hold::Position { target, .. }, Relation::Given(offset), _) => *target = pose.beside(*offset),
-                (Hold::Facing { heading, .. }, _, Relation::Given(angle)) => *heading = pose.facing + angle,
-                _ => {}
-            }
-            false
-        }
-        ConstraintKind::Time { .. } | ConstraintKind::Duration { .. } | ConstraintKind::Sync { .. } => false,
-    }
-}
-
-fn replace<T: Copy + PartialEq>(value: &mut T, relation: &Relation<T>) -> bool {
-    match relation {
-        Relation::Given(new) if *new != *value => {
-            *value = *new;
-            true
-        }
-        _ => false,
-    }
 }

@@ -1,13 +1,13 @@
 //! Spatial constraints at single instants, as exact complex rows. Source: Kim et al. 2009, eqs. 1, 2 and 4.
 
+use std::borrow::Borrow;
+
 use crate::constraint::Strength;
+use crate::edit::direction::{Direction, direction_at};
 use crate::edit::settings::RelativeMode;
 use crate::geometry::{c64, cis};
 use crate::index::ConstraintId;
-use crate::path::{self, RestPath, bracket};
-
-/// Standing chords shorter than this are widened, metres.
-const SHORTEST_CHORD: f64 = 1e-3;
+use crate::path::{RestPath, bracket};
 
 /// One instant of one character.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -91,21 +91,6 @@ pub enum Phase {
     Scale,
 }
 
-/// The vector that stands for a body's direction at an instant: `scale · (p_to − p_from)`.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Direction {
-    /// Frame of its tail, a fraction where the instant is one.
-    pub from: f64,
-    /// Frame of its tip.
-    pub to: f64,
-    /// 1, or 2 at the ends of a path.
-    pub scale: f64,
-    /// Its value at rest, metres.
-    pub rest: c64,
-    /// Whether it is the chord of a stationary stretch.
-    pub in_run: bool,
-}
-
 /// A coefficient of a row: path, frame, factor.
 pub type Term = (usize, usize, c64);
 
@@ -158,83 +143,15 @@ impl Hold {
     }
 }
 
-/// Finds the direction at the fractional frame `frame` of `rest`: the central tangent; where that is shorter than
-/// `baseline`, the chord of the smallest wider window; inside a stationary stretch its longest chord. `None` where the
-/// path has no extent there.
-pub fn direction_at(rest: &RestPath, frame: f64, baseline: f64) -> Option<Direction> {
-    if let Some(run) = rest.rigid_at(frame) {
-        let chord = run_chord(rest, run);
-        if chord.rest.norm() >= SHORTEST_CHORD.min(baseline) {
-            return Some(chord);
-        }
-    }
-    let last = (rest.len() - 1) as f64;
-    if last < 1.0 {
-        return None;
-    }
-    let end = last.max(frame);
-    let central = match frame {
-        f if f < 1.0 => (f, f + 1.0, 2.0),
-        f if f > end - 1.0 => (f - 1.0, f, 2.0),
-        f => (f - 1.0, f + 1.0, 1.0),
-    };
-    let make = |(from, to, scale): (f64, f64, f64)| Direction {
-        from,
-        to,
-        scale,
-        rest: scale * (path::at(&rest.positions, to) - path::at(&rest.positions, from)),
-        in_run: false,
-    };
-    let tangent = make(central);
-    if tangent.rest.norm() >= baseline && tangent.rest.norm() > 0.0 {
-        return Some(tangent);
-    }
-    let mut reach = 1.0;
-    while reach <= end {
-        let wide = make(((frame - reach).max(0.0), (frame + reach).min(end), 1.0));
-        if wide.rest.norm() >= baseline && wide.rest.norm() > 0.0 {
-            return Some(wide);
-        }
-        reach += 1.0;
-    }
-    None
-}
-
-/// The longest chord from the first frame of a stationary stretch.
-pub fn run_chord(rest: &RestPath, (first, last): (usize, usize)) -> Direction {
-    let length = |k: usize| (rest.positions[k] - rest.positions[first]).norm();
-    let mut tip = first;
-    for k in first..=last {
-        if length(k) > length(tip) {
-            tip = k;
-        }
-    }
-    Direction {
-        from: first as f64,
-        to: tip as f64,
-        scale: 1.0,
-        rest: rest.positions[tip] - rest.positions[first],
-        in_run: true,
-    }
-}
-
-impl Direction {
-    /// Value on the path `points`.
-    pub fn on(&self, points: &[c64]) -> c64 {
-        self.scale * (path::at(points, self.to) - path::at(points, self.from))
-    }
-
-    /// Unit rotation from rest to the path `points`; none where it collapses.
-    pub fn rotation(&self, points: &[c64]) -> c64 {
-        let z = self.on(points) / self.rest;
-        if z.norm() < 1e-9 { c64::new(1.0, 0.0) } else { z / z.norm() }
-    }
-
-    /// Appends `factor` times this vector.
-    fn add(&self, terms: &mut Vec<Term>, path: usize, count: usize, factor: c64) {
-        add_point(terms, path, self.to, count, factor * self.scale);
-        add_point(terms, path, self.from, count, -factor * self.scale);
-    }
+/// Appends `factor` times the vector of a direction on a path.
+fn add_direction(
+    terms: &mut Vec<Term>,
+    (direction, path): (Direction, usize),
+    counts: &[usize],
+    factor: c64,
+) {
+    add_point(terms, path, direction.to, counts[path], factor * direction.scale);
+    add_point(terms, path, direction.from, counts[path], -factor * direction.scale);
 }
 
 /// Appends `factor` times the point at a fractional frame.
@@ -264,8 +181,8 @@ impl Rotations {
 
 impl Prepared {
     /// Finds the directions of `row`.
-    pub fn new(row: HeldRow, rests: &[RestPath], baseline: f64) -> Self {
-        let find = |place: Place| direction_at(&rests[place.path], place.frame, baseline);
+    pub fn new(row: HeldRow, rests: &[impl Borrow<RestPath>], baseline: f64) -> Self {
+        let find = |place: Place| direction_at(rests[place.path].borrow(), place.frame, baseline);
         let (at, to) = (find(row.hold.at()), row.hold.to().and_then(find));
         Self { row, at, to, body_only: false, partner_row: None }
     }
@@ -312,7 +229,7 @@ impl Prepared {
             add_point(&mut terms, place.path, place.frame, counts[place.path], factor);
             if let (true, Some(direction)) = (follows && place.detail != c64::default(), direction) {
                 let share = factor * place.detail / direction.rest;
-                direction.add(&mut terms, place.path, counts[place.path], share);
+                add_direction(&mut terms, (direction, place.path), counts, share);
             }
         };
         match self.row.hold {
@@ -324,7 +241,7 @@ impl Prepared {
             }
             Hold::Facing { at, .. } => {
                 if let Some(direction) = self.at {
-                    direction.add(&mut terms, at.path, counts[at.path], one);
+                    add_direction(&mut terms, (direction, at.path), counts, one);
                 }
             }
             Hold::Offset { at, to, offset } => {
@@ -332,15 +249,15 @@ impl Prepared {
                 point(to, self.to, -one);
                 if let (true, Some(partner)) = (follows, self.to) {
                     let share = -offset * cis(to.heading) / partner.rest;
-                    partner.add(&mut terms, to.path, counts[to.path], share);
+                    add_direction(&mut terms, (partner, to.path), counts, share);
                 }
             }
             Hold::RelativeFacing { at, to, angle } => {
                 if let Some(own) = self.at {
-                    own.add(&mut terms, at.path, counts[at.path], one);
+                    add_direction(&mut terms, (own, at.path), counts, one);
                     if let (true, Some(partner)) = (follows, self.to) {
                         let share = -own.rest / partner.rest * cis(to.heading + angle - at.heading);
-                        partner.add(&mut terms, to.path, counts[to.path], share);
+                        add_direction(&mut terms, (partner, to.path), counts, share);
                     }
                 }
             }
@@ -375,6 +292,20 @@ impl Prepared {
                 }
                 _ => c64::default(),
             },
+        }
+    }
+
+    /// Whether its target in the shape phase is the same whatever the rotations of its places.
+    pub fn ignores_rotations(&self) -> bool {
+        let fixed = |place: Place, direction: Option<Direction>| {
+            place.detail == c64::default() || (self.partner_row.is_none() && direction.is_some())
+        };
+        let follows = self.partner_row.is_none() && self.to.is_some();
+        match self.row.hold {
+            Hold::Position { at, .. } | Hold::Beside { at, .. } => fixed(at, self.at),
+            Hold::Facing { .. } => true,
+            Hold::Offset { at, to, .. } => follows && fixed(at, self.at) && fixed(to, self.to),
+            Hold::RelativeFacing { .. } => follows && self.at.is_some(),
         }
     }
 

@@ -7,6 +7,7 @@
 //! ```
 
 pub mod settings;
+pub mod direction;
 pub mod hold;
 pub mod reference;
 pub mod bodies;
@@ -19,6 +20,7 @@ pub mod reduced;
 pub mod gauge;
 pub mod direct;
 pub mod phase;
+pub mod what_if;
 pub mod energy;
 pub mod facing;
 pub mod moved;
@@ -28,12 +30,14 @@ pub mod temporal;
 pub mod error;
 pub mod note;
 pub mod expand;
+pub mod retarget;
 pub mod following;
 pub mod groups;
 pub mod mixing;
 pub mod editor;
 
-pub use editor::{Edit, Editor, Target};
+pub use crate::constraint::Target;
+pub use editor::{Edit, Editor, Timing, Variant};
 pub use error::EditError;
 pub use moved::{EditedCharacter, Moved};
 pub use note::EditNote;

@@ -39,6 +39,13 @@ pub enum EditNote {
         /// How many.
         steps: usize,
     },
+    /// A path stays stretched, and nothing in the motion graph fits to change that.
+    NothingFits {
+        /// Whose.
+        character: String,
+        /// Length after the edit over length before.
+        ratio: f64,
+    },
 }
 
 impl std::fmt::Display for EditNote {
@@ -74,6 +81,12 @@ impl std::fmt::Display for EditNote {
                 )
             }
             Self::StepsAtBound { steps } => write!(f, "{steps} time steps stand at their bounds"),
+            Self::NothingFits { character, ratio } => {
+                write!(
+                    f,
+                    "nothing in the motion graph fits the track of {character}: its path is stretched {ratio:.2} times"
+                )
+            }
         }
     }
 }

@@ -3,7 +3,7 @@
 //! Unknown are deviations from a reference path that satisfies all interior rows, so that only held rows have targets: what
 //! they miss on the reference.
 
-use cotillion_solvers::{Dependency, KktError, PointRow, RowMatrix, analyse_rank};
+use cotillion_solvers::{Change, Dependency, KktError, PathResponse, PointRow, RowMatrix, analyse_rank};
 
 use crate::constraint::Strength;
 use crate::edit::columns::{Columns, Freedom};
@@ -163,6 +163,24 @@ impl PhaseSolver {
         }
     }
 
+    /// How path `path` answers to changes of itself; `None` where the present solution is not of the reduced system, or
+    /// motions are free.
+    pub fn response(&self, path: usize) -> Option<PathResponse> {
+        self.reduced.as_ref().filter(|_| self.answer == Backend::Reduced)?.response(path)
+    }
+
+    /// Held row behind row `row` of the system, by position in the list of held rows, and the row.
+    pub fn row(&self, row: usize) -> (usize, &PointRow<c64>) {
+        let (held, row) = &self.rows[self.kept[row]];
+        (*held, row)
+    }
+
+    /// Energy of interior and soft held rows if one path were another; `None` where that is singular. `response`: of this
+    /// system.
+    pub fn energy_if(&self, response: &PathResponse, change: &Change<'_>) -> Option<f64> {
+        self.reduced.as_ref()?.energy_if(response, change)
+    }
+
     /// Number of free motions that are fixed as at rest.
     pub fn gauges(&self) -> usize {
         let direct = || self.direct.as_ref().map_or(0, |direct| direct.gauges);
@@ -181,10 +199,15 @@ fn bound_rows(
     let bound = held.iter().enumerate().filter(|(_, prepared)| prepared.binds(freedom.phase, rigid));
     let row = |prepared: &Prepared| PointRow {
         terms: prepared.terms(freedom.phase, settings.relative, &counts),
-        weight: match prepared.row.strength {
-            Strength::Hard => None,
-            Strength::Soft(weight) => Some(weight * prepared.soft_scale().powi(2)),
-        },
+        weight: weight_of(prepared),
     };
     bound.map(|(index, prepared)| (index, row(prepared))).collect()
+}
+
+/// Weight of a held row in metres; `None`: hard.
+pub fn weight_of(prepared: &Prepared) -> Option<f64> {
+    match prepared.row.strength {
+        Strength::Hard => None,
+        Strength::Soft(weight) => Some(weight * prepared.soft_scale().powi(2)),
+    }
 }

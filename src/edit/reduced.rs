@@ -1,6 +1,8 @@
 //! One phase reduced exactly to its held rows: paths as springs.
 
-use cotillion_solvers::{Bent, Compliance, ComplianceAnalysis, ComplianceFactor, KktError, PointRow};
+use cotillion_solvers::{
+    Bent, Change, Compliance, ComplianceAnalysis, ComplianceFactor, KktError, PathResponse, PointRow,
+};
 use rayon::prelude::*;
 
 use crate::edit::columns::Freedom;
@@ -80,6 +82,19 @@ impl ReducedPhase {
     pub fn energies(&self) -> (f64, f64) {
         let of = |(_, bent): &(_, Bent)| (bent.spring_energy(), bent.soft_energy(&self.problem));
         self.factor.as_ref().map_or((0.0, 0.0), of)
+    }
+
+    /// How path `path` answers to changes of itself; `None` where the system is not factored, or leaves motions free that a
+    /// changed path might not.
+    pub fn response(&self, path: usize) -> Option<PathResponse> {
+        let (factor, _) = self.factor.as_ref().filter(|_| self.problem.free_motions() == 0)?;
+        Some(PathResponse::new(&self.problem, factor, path))
+    }
+
+    /// Energy of springs and soft rows if one path were another; `None` where that system is singular.
+    pub fn energy_if(&self, response: &PathResponse, change: &Change<'_>) -> Option<f64> {
+        let (_, bent) = self.factor.as_ref()?;
+        response.energy(&self.problem, (bent, &self.targets), change).ok()
     }
 
     /// Free motions fixed as at rest.

@@ -4,13 +4,16 @@
 //! right-hand sides, substitutions and one pass over the frames. Source: Kim et al. 2009, §4.1–4.2, in the forms that
 //! the module docs of `springs`, `hold` and `reference` give.
 
+mod changed;
+
 use cotillion_solvers::KktError;
 
 use crate::edit::bodies::{first_disagreement, leave_to_the_body, spread_still_rotations};
 use crate::edit::clash::{self, Miss};
 use crate::edit::columns::Freedom;
+use crate::edit::direction::{Direction, run_chord};
 use crate::edit::facing::{Body, hold_facings};
-use crate::edit::hold::{Direction, Hold, Phase, Prepared, Rotations, run_chord};
+use crate::edit::hold::{Hold, Phase, Prepared, Rotations};
 use crate::edit::parallel::for_each_path;
 use crate::edit::phase::PhaseSolver;
 use crate::edit::reference::reference_translations;
@@ -70,6 +73,8 @@ pub struct SpatialComponent {
     pub rotations: Vec<Rotations>,
     /// Energies of the present result.
     pub energy: SpatialEnergy,
+    /// What moved each rest path before the shape phase bent it.
+    translations: Vec<c64>,
     settings: SpatialSettings,
     backend: Backend,
     /// Segments of the rest paths.
@@ -111,6 +116,7 @@ impl SpatialComponent {
             segments: rests.iter().map(RestPath::segments).collect(),
             rotations: vec![Rotations::NONE; held.len()],
             energy: SpatialEnergy::default(),
+            translations: vec![c64::default(); rests.len()],
             released: Vec::new(),
             chords: rests.iter().map(chords).collect(),
             rests,
@@ -267,10 +273,10 @@ impl SpatialComponent {
     fn solve_shape(&mut self) -> Result<Option<Attempt>, SpatialError> {
         let (held, rotations, rests) = (&self.held, &self.rotations, &self.rests);
         let rest = |path: usize| rests[path].positions.as_slice();
-        let translations = reference_translations(rests.len(), rest, held, |_| Rotations::NONE);
-        let relative = self.settings.relative;
-        let reference =
-            |path: usize, frame: usize| rests[path].positions[frame] + translations[path].unwrap_or_default();
+        let asked = reference_translations(rests.len(), rest, held, |_| Rotations::NONE);
+        self.translations = asked.into_iter().map(Option::unwrap_or_default).collect();
+        let (translations, relative) = (&self.translations, self.settings.relative);
+        let reference = |path: usize, frame: usize| rests[path].positions[frame] + translations[path];
         let value = |index: usize| held[index].target(Phase::Shape, relative, rotations[index]);
         self.shape.set_targets(value, reference);
         if let Some((rows, miss)) = self.shape.contradiction() {
@@ -281,7 +287,7 @@ impl SpatialComponent {
         solved.map_err(|error| SpatialError::Solver(Phase::Shape, error))?;
         let (shape, segments, chords, released) = (&self.shape, &self.segments, &self.chords, &self.released);
         let bend = |path: usize, shaped: &mut Vec<c64>, turned: &mut TurnedPath| {
-            let (rest, translation) = (&rests[path], translations[path].unwrap_or_default());
+            let (rest, translation) = (&rests[path], translations[path]);
             shape.points(path, |frame| rest.positions[frame] + translation, shaped);
             let kept = |(run, _): &(usize, _)| released.binary_search(&(path, *run)).is_err();
             let runs = rest.rigid.iter().zip(&chords[path]).enumerate().filter(kept);

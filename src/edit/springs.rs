@@ -65,7 +65,8 @@ pub fn spring_path(freedom: Freedom, path: usize, settings: &SpatialSettings) ->
     }
 }
 
-fn shape_path(freedom: Freedom, path: usize, settings: &SpatialSettings) -> SpringPath {
+/// The same in the shape phase, in which springs say everything.
+pub fn shape_path(freedom: Freedom, path: usize, settings: &SpatialSettings) -> SpringPath {
     let rest = &freedom.paths[path];
     let mut compliances = vec![0.0; rest.len()];
     for (frame, compliance) in compliances.iter_mut().enumerate().skip(1).take(rest.len().saturating_sub(2)) {

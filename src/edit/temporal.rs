@@ -102,6 +102,11 @@ impl TemporalComponent {
         }
     }
 
+    /// As it was made with.
+    pub fn settings(&self) -> TemporalSettings {
+        self.settings
+    }
+
     /// Factors the system unless that is done; [`TemporalComponent::solve`] does it where it was not.
     ///
     /// # Errors

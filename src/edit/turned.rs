@@ -1,6 +1,6 @@
 //! Rest paths turned segment by segment as the shape phase turned them: what the scale phase starts from.
 
-use crate::edit::hold::Direction;
+use crate::edit::direction::Direction;
 use crate::geometry::c64;
 use crate::path::{RestPath, RestSegments, SegmentFactors};
 

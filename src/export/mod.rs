@@ -2,6 +2,7 @@
 
 pub mod body_report;
 pub mod bvh;
+pub mod changes;
 pub mod files;
 pub mod gltf;
 mod palette;

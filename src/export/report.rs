@@ -4,10 +4,12 @@ use serde::Serialize;
 
 use crate::clip::Clip;
 use crate::constraint::Strength;
+use crate::discrete::outcome::Outcome;
+use crate::edit::Moved;
 use crate::edit::energy::{Energy, length};
-use crate::edit::{Edit, Moved};
 use crate::embody::Embodied;
 use crate::export::body_report::{FullBodyReport, full_body_report};
+use crate::export::changes::{ChangesReport, DiscreteReport};
 use crate::geometry::{c64, wrap};
 use crate::index::{CharacterId, floor_index};
 use crate::metrics::shown_slides;
@@ -67,12 +69,15 @@ pub struct CharacterReport {
     /// Smallest and largest time step, as multiples of the rest step.
     pub time_step: MinMax,
     /// Mean horizontal speed of feet in contact, m/s, while the character's own motion is shown: on output frames and
-    /// constrained moments, before the edit at the same instants of the clips.
+    /// constrained moments; `rest` at the same instants of the track with all discrete changes, before bending.
     pub foot_slide: RestEdited,
     /// What became of the body; `null` where the full body is off.
     pub full_body: Option<FullBodyReport>,
     /// Clips of other bodies, each once: scale, joints that nothing corresponds to, how far legs fall short.
     pub performed: Vec<Performed>,
+    /// What became of the track, where it could change.
+    #[serde(flatten, skip_serializing_if = "Option::is_none")]
+    pub changes: Option<ChangesReport>,
     /// Discrete edits, in order.
     pub discrete: Vec<DiscreteReport>,
 }
@@ -91,13 +96,6 @@ pub struct RestEdited {
 pub struct MinMax {
     pub min: f64,
     pub max: f64,
-}
-
-/// A discrete edit.
-#[derive(Clone, Debug, Serialize)]
-pub struct DiscreteReport {
-    /// What was done.
-    pub kind: String,
 }
 
 /// One object's share of a report.
@@ -195,8 +193,8 @@ pub struct Timing {
 }
 
 /// Reports on an edit; files and times are filled in where files are written and clocks are read.
-pub fn report(embodied: &Embodied<'_>, edit: &Edit, resampled: &Resampled) -> Report {
-    let scene = embodied.moved.scene;
+pub fn report(embodied: &Embodied<'_>, outcome: &Outcome, resampled: &Resampled) -> Report {
+    let (scene, edit) = (embodied.moved.scene, &outcome.edit);
     let constraints = scene.constraints.iter().zip(residuals_of(scene, edit, embodied));
     let moved = Moved { scene, characters: &edit.characters };
     let objects = object_motions(scene, &moved);
@@ -210,7 +208,7 @@ pub fn report(embodied: &Embodied<'_>, edit: &Edit, resampled: &Resampled) -> Re
         fps: scene.fps,
         start_time: resampled.start_time,
         characters: (0..scene.characters.len())
-            .map(|who| character_report(embodied, resampled, CharacterId::from_usize(who)))
+            .map(|who| character_report(embodied, outcome, resampled, CharacterId::from_usize(who)))
             .collect(),
         objects: objects.iter().map(|motion| object_report(&moved, motion, resampled)).collect(),
         constraints: constraints
@@ -229,7 +227,12 @@ pub fn report(embodied: &Embodied<'_>, edit: &Edit, resampled: &Resampled) -> Re
     }
 }
 
-fn character_report(embodied: &Embodied<'_>, resampled: &Resampled, who: CharacterId) -> CharacterReport {
+fn character_report(
+    embodied: &Embodied<'_>,
+    outcome: &Outcome,
+    resampled: &Resampled,
+    who: CharacterId,
+) -> CharacterReport {
     let Moved { scene, characters } = embodied.moved;
     let (character, edited) = (&scene.characters[who.as_usize()], &characters[who.as_usize()]);
     let frames_out = resampled.clips[who.as_usize()].frame_count();
@@ -239,19 +242,30 @@ fn character_report(embodied: &Embodied<'_>, resampled: &Resampled, who: Charact
     let (min, max) =
         steps.fold((f64::INFINITY, f64::NEG_INFINITY), |(min, max), step| (min.min(step), max.max(step)));
     let still = edited.times.len() < 2;
-    let frames_in = floor_index(last * WORKING_STEP * scene.fps + 1e-6) + 1;
+    let rest = &outcome.original.characters[who.as_usize()].track;
+    let rest_last = rest.frame_count() as f64 - 1.0 + rest.overhang();
+    let frames_in = floor_index(rest_last * WORKING_STEP * scene.fps + 1e-6) + 1;
     let [rest_slide, edited_slide] = shown_slides(scene, embodied, who, (resampled.start_time, frames_out));
     CharacterReport {
         name: character.name.clone(),
         frames_in,
         frames_out,
         seconds: time_of(&edited.times, last) - edited.times[0],
-        path_length: RestEdited { rest: length(&edited.rest.positions), edited: length(&edited.positions) },
+        path_length: RestEdited {
+            rest: length(&rest.rest_path().positions),
+            edited: length(&edited.positions),
+        },
         time_step: if still { MinMax { min: 1.0, max: 1.0 } } else { MinMax { min, max } },
         foot_slide: RestEdited { rest: rest_slide, edited: edited_slide },
         full_body: full_body_report(embodied, who),
         performed: character.performed.clone(),
-        discrete: Vec::new(),
+        changes: outcome.tracks.get(who.as_usize()).map(|changes| ChangesReport::new(changes, rest, track)),
+        discrete: outcome
+            .log
+            .iter()
+            .filter(|entry| entry.character == who)
+            .map(DiscreteReport::new)
+            .collect(),
     }
 }
 

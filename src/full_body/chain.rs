@@ -3,6 +3,7 @@
 use glam::{DQuat, DVec3};
 
 use crate::clip::contacts::{BodyPoint, ContactPoint, contact_point, end_of};
+use crate::geometry::{RigidMotion, yaw};
 use crate::index::JointId;
 use crate::limb::{Limb, minimal_rotation};
 use crate::skeleton::{JointFrame, JointRole, Pose, Skeleton};
@@ -46,6 +47,20 @@ impl Place {
     /// Its lower joint.
     pub const fn end_pose(&self) -> EndPose {
         EndPose { position: self.limb.lower, rotation: self.lower_rotation }
+    }
+
+    /// The same limb, carried by a motion of the ground.
+    pub fn carried(&self, motion: &RigidMotion) -> Self {
+        let Limb { upper, middle, lower } = self.limb;
+        let [upper, middle, lower, end] =
+            [upper, middle, lower, self.end].map(|point| motion.apply_world(point));
+        let turn = yaw(motion.angle());
+        Self {
+            limb: Limb { upper, middle, lower },
+            upper_rotation: turn * self.upper_rotation,
+            lower_rotation: turn * self.lower_rotation,
+            end,
+        }
     }
 
     /// The same limb moved by `shift`.

@@ -4,7 +4,7 @@
 
 use glam::DVec3;
 
-use crate::clip::contacts::Contacts;
+use crate::clip::contacts::{ContactPoint, Contacts};
 use crate::full_body::aim::{Mobility, solve};
 use crate::full_body::chain::{Chain, EndPose, Place};
 use crate::full_body::fade::{Slopes, Span, fill};
@@ -83,6 +83,13 @@ pub fn from_to(from: &EndPose, to: &EndPose) -> Displacement {
 }
 
 impl Leg {
+    /// Where a point that it bears on is before the edit, at each sample; `None` for points of other limbs.
+    pub fn captured(&self, point: ContactPoint) -> Option<Vec<DVec3>> {
+        let [lower, end] = self.soles.map(|sole| sole == Some(point));
+        let place = |place: &Place| if lower { place.limb.lower } else { place.end };
+        (lower || end).then(|| self.track.rest.iter().map(place).collect())
+    }
+
     /// Whether it is an arm.
     pub fn is_arm(&self) -> bool {
         HANDS.contains(&self.soles)

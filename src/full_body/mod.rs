@@ -17,6 +17,7 @@ pub mod fade;
 pub mod plants;
 pub mod turning;
 pub mod pins;
+pub mod seams;
 pub mod reach;
 pub mod knees;
 pub mod feet;
@@ -38,6 +39,7 @@ use crate::full_body::hierarchical::{CLOSE, KNOTS, blended, bring, level, sample
 use crate::full_body::plan::{Limb, Still, limbs, popped};
 use crate::full_body::reach::{Demand, Demands, drops, within_reach};
 pub use crate::full_body::report::{BodyReport, JointChange, PlantedPoint, Shortfall, WholeContact};
+pub use crate::full_body::seams::{Cut, Seams};
 use crate::skeleton::{Pose, Skeleton};
 
 /// One character at successive moments: output frames, and constrained moments between them.
@@ -53,6 +55,8 @@ pub struct BodyInput {
     pub contacts: Vec<Contacts>,
     /// Ends of the body that must be somewhere.
     pub effectors: Vec<Effector>,
+    /// Where the motion before the edit is not as captured but joined.
+    pub seams: Seams,
 }
 
 /// How feet stand.

@@ -9,6 +9,7 @@ use crate::full_body::feet::{FADE, Leg, STRETCH, from_to};
 use crate::full_body::pins::{LARGEST_TURN, Pins, Standing};
 use crate::full_body::plants::{Displacement, FEET, HANDS, LegTrack, Soles, bearing, plants};
 use crate::full_body::reach::{Demand, drops};
+use crate::full_body::seams::stand_through;
 use crate::full_body::smooth::{accelerations, largest_acceleration};
 use crate::geometry::log;
 use crate::index::JointId;
@@ -43,12 +44,17 @@ pub fn limbs(skeleton: &Skeleton, input: &BodyInput) -> Vec<Limb> {
     let legs = legs(skeleton).into_iter().zip(FEET);
     let arms = bearing_arms(skeleton).into_iter().zip(HANDS).filter(|(_, soles)| bears(soles));
     let limb = |(chain, soles): (Chain, Soles)| {
-        let places = |poses: &[Pose]| poses.iter().map(|pose| chain.place(skeleton, pose)).collect();
         let [heel, toe] = bearing(&input.contacts, soles);
-        let track = LegTrack { rest: places(&input.rest), moved: places(&input.moved), heel, toe };
+        let mut rest = places(skeleton, &chain, &input.rest);
+        stand_through((skeleton, &chain), &input.seams, [&heel, &toe], &mut rest);
+        let track = LegTrack { rest, moved: places(skeleton, &chain, &input.moved), heel, toe };
         Limb { chain, soles, mobility: Mobility::of(skeleton, &chain, track.rest.iter()), track }
     };
     legs.chain(arms).filter_map(|(chain, soles)| Some((chain?, soles))).map(limb).collect()
+}
+
+fn places(skeleton: &Skeleton, chain: &Chain, poses: &[Pose]) -> Vec<Place> {
+    poses.iter().map(|pose| chain.place(skeleton, pose)).collect()
 }
 
 impl Limb {
@@ -100,11 +106,12 @@ struct Tried {
 impl<'a> Still<'a> {
     /// What of it can be held. Cost: linear in samples times the places that a foot stands on within one contact.
     pub fn new(skeleton: &Skeleton, input: &'a BodyInput, limb: &'a Limb) -> Self {
-        let track = LegTrack { moved: limb.track.rest.clone(), ..limb.track.clone() };
+        let moved = places(skeleton, &limb.chain, &input.rest);
+        let track = LegTrack { moved, ..limb.track.clone() };
         let unedited = planned(&input.times, limb, track);
         let as_captured = unedited.displacements.clone();
         let untried = |place: &Place| Tried { goal: None, place: *place, turns_too_far: false };
-        let tried = limb.track.rest.iter().map(untried).collect();
+        let tried = unedited.track.moved.iter().map(untried).collect();
         let mut still =
             Self { limb, standing: Standing::new(&input.times, &limb.track), unedited, as_captured, tried };
         still.settle(skeleton, input);

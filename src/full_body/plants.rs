@@ -11,7 +11,7 @@ use crate::geometry::{RigidMotion, c64, cis, plan_of, yaw};
 /// One leg along the samples, or an arm, whose hand is like a heel.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LegTrack {
-    /// Where it is as captured, before the edit.
+    /// Where it is as captured, before the edit; where it stands through a seam, as [`crate::full_body::seams`] has it.
     pub rest: Vec<Place>,
     /// Where the edit of the path carries it.
     pub moved: Vec<Place>,

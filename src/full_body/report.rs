@@ -85,7 +85,7 @@ pub struct PlantedPoint {
     pub first: usize,
     /// Last sample.
     pub last: usize,
-    /// Largest distance from its mean place as captured, metres …
+    /// Largest distance from its mean place as captured, without what seams shift it by, metres …
     pub captured_drift: f64,
     /// … and in the result.
     pub drift: f64,
@@ -104,8 +104,8 @@ pub(super) fn report(
         root_shift: shifts().map(DVec3::length).fold(0.0, f64::max),
         root_drop: shifts().map(|shift| -shift.y).fold(0.0, f64::max),
         largest_change: largest_change(&input.moved, poses),
-        plants: plants(skeleton, &input.rest, planted, poses),
-        contacts: whole_contacts(skeleton, input, planted, poses),
+        plants: plants(skeleton, (&input.rest, legs), planted, poses),
+        contacts: whole_contacts(skeleton, (input, legs), planted, poses),
     }
 }
 
@@ -153,7 +153,12 @@ fn largest_change(before: &[Pose], after: &[Pose]) -> Option<JointChange> {
     largest
 }
 
-fn plants(skeleton: &Skeleton, rest: &[Pose], planted: &[Contacts], poses: &[Pose]) -> Vec<PlantedPoint> {
+fn plants(
+    skeleton: &Skeleton,
+    (rest, legs): (&[Pose], &[Leg]),
+    planted: &[Contacts],
+    poses: &[Pose],
+) -> Vec<PlantedPoint> {
     let mut found = Vec::new();
     for point in ContactPoint::ALL {
         let Some(at) = contact_point(skeleton, point) else {
@@ -164,9 +169,11 @@ fn plants(skeleton: &Skeleton, rest: &[Pose], planted: &[Contacts], poses: &[Pos
             let frame = world_frame(skeleton, pose, at.joint);
             frame.position + frame.rotation * at.local
         };
+        let of_leg = legs.iter().find_map(|leg| leg.captured(point));
+        let captured = of_leg.unwrap_or_else(|| rest.iter().map(place).collect());
         for (first, last) in runs(&labels) {
-            let drift = |poses: &[Pose]| drift(poses[first..=last].iter().map(place).collect());
-            let (captured_drift, drift) = (drift(rest), drift(poses));
+            let captured_drift = drift(&captured[first..=last]);
+            let drift = drift(&poses[first..=last].iter().map(place).collect::<Vec<_>>());
             found.push(PlantedPoint { point, first, last, captured_drift, drift });
         }
     }
@@ -175,7 +182,7 @@ fn plants(skeleton: &Skeleton, rest: &[Pose], planted: &[Contacts], poses: &[Pos
 
 fn whole_contacts(
     skeleton: &Skeleton,
-    input: &BodyInput,
+    (input, legs): (&BodyInput, &[Leg]),
     planted: &[Contacts],
     poses: &[Pose],
 ) -> Vec<WholeContact> {
@@ -185,11 +192,11 @@ fn whole_contacts(
         let held = held as f64 / (last + 1 - first) as f64;
         WholeContact { point, first, last, held, captured_drift, drift }
     };
-    plants(skeleton, &input.rest, &input.contacts, poses).into_iter().map(whole).collect()
+    plants(skeleton, (&input.rest, legs), &input.contacts, poses).into_iter().map(whole).collect()
 }
 
 /// Largest distance of places from their mean, metres.
-fn drift(places: Vec<DVec3>) -> f64 {
+fn drift(places: &[DVec3]) -> f64 {
     let mean = places.iter().sum::<DVec3>() / places.len() as f64;
     places.iter().map(|place| place.distance(mean)).fold(0.0, f64::max)
 }

@@ -35,6 +35,7 @@ fn input_of(name: &str, clip: Clip) -> (Skeleton, BodyInput) {
         rest,
         contacts: working.contacts.clone(),
         effectors: Vec::new(),
+        seams: Seams::default(),
     };
     ((*working.clip.skeleton).clone(), input)
 }

@@ -16,9 +16,9 @@ use crate::scene::report::{At, Lines, Place, Report};
 use crate::scene::tree::Field;
 use crate::scene::values;
 use crate::scene::{
-    Character, FullBody, Mode, Plants, Scene, Warp, busy, objects, raw, refuse, things, ties,
+    Character, FullBody, Mode, Plants, Scene, Warp, busy, drags, objects, raw, refuse, things, ties,
 };
-use crate::track::{Protected, SeamChoice, Track};
+use crate::track::{Protected, SeamChoice, SeamRule, Track};
 
 /// The scene that `raw` describes; whatever is wrong with it is in `report`, and the scene is then of no use.
 ///
@@ -37,29 +37,45 @@ pub fn check(
     let cast = cast(raw, &clips, report);
     let objects = objects::objects(raw, report);
     check_unique(raw, report);
-    let checked = match raw.character {
+    let mut checked = match raw.character {
         Field::Spoiled => Checked::default(),
         _ => constraints::check(raw, &cast, lines, report),
     };
     ties::warn_of_untied(&checked, &cast, report);
     objects::check_order(&checked, &cast, report);
     let characters = characters(raw, &cast, (&checked, &objects), report);
+    let drags = drags::bind(&mut checked, &characters, cast.len());
     Scene {
         title: raw.title.value().cloned().unwrap_or_else(|| {
             path.file_stem().map_or_else(String::new, |stem| stem.to_string_lossy().into_owned())
         }),
         fps: within(&raw.fps, 1000.0, "frames per second", report).unwrap_or(30.0),
-        mode: match raw.mode.value() {
-            Some(values::Mode::Paper) => Mode::Paper,
-            Some(values::Mode::Production) | None => Mode::Production,
-        },
+        mode: mode(raw),
         characters,
         objects,
         constraints: checked.constraints,
         carries: checked.carries,
         end_effectors: checked.end_effectors,
+        drags,
+        discrete: checked.discrete,
+        captured: BTreeMap::new(),
         warp: warp(&raw.warp, report),
         full_body: full_body(&raw.full_body),
+    }
+}
+
+fn mode(raw: &raw::Scene) -> Mode {
+    match raw.mode.value() {
+        Some(values::Mode::Paper) => Mode::Paper,
+        Some(values::Mode::Production) | None => Mode::Production,
+    }
+}
+
+/// The published method aligns by the root.
+fn seam_rule(mode: Mode) -> SeamRule {
+    match mode {
+        Mode::Paper => SeamRule::Root,
+        Mode::Production => SeamRule::PlantedFeet,
     }
 }
 
@@ -175,13 +191,14 @@ fn characters(
     (checked, objects): (&Checked, &[Object]),
     report: &mut Report,
 ) -> Vec<Character> {
+    let rule = seam_rule(mode(raw));
     let tracks: Vec<Option<Track>> = raw
         .character
         .tables()
         .iter()
         .zip(cast)
         .zip(protected(cast.len(), checked))
-        .map(|((character, member), protected)| track(&character.value, member, &protected, report))
+        .map(|((character, member), protected)| track(&character.value, member, (&protected, rule), report))
         .collect();
     check_intervals(checked, cast, &tracks, report);
     let performers = Performers { cast, tracks: &tracks };
@@ -214,7 +231,7 @@ fn protected(count: usize, checked: &Checked) -> Vec<Vec<Protected>> {
 fn track(
     character: &raw::Character,
     member: &Member,
-    protected: &[Protected],
+    (protected, rule): (&[Protected], SeamRule),
     report: &mut Report,
 ) -> Option<Track> {
     let position = character.position.given().map(|position| plan_point(position, report));
@@ -227,7 +244,7 @@ fn track(
     if !clips.iter().all(|clip| skeleton.matches(&clip.clip.skeleton)) {
         return None;
     }
-    let (track, seams) = Track::string(clips, protected, (position, facing));
+    let (track, seams) = Track::string(clips, protected, (position, facing), rule);
     for seam in seams.iter().filter(|seam| seam.distance > seam.admissible) {
         let place = places.value.get(seam.entry).map_or(&places.place, |at| &at.place);
         report.warn(place, seam_of_unlike_poses(seam, &member.track), seam_remedy(seam));

@@ -2,11 +2,12 @@
 
 use std::collections::BTreeMap;
 
-use crate::constraint::{Constraint, ConstraintKind, Instant, Moment, Strength, When};
+use crate::constraint::{Constraint, ConstraintKind, Discrete, Instant, Moment, Strength, When};
 use crate::effector::EndEffector;
 use crate::geometry::c64;
 use crate::object::Carry;
 use crate::scene::clips::check_name;
+use crate::scene::drags::DraftDrag;
 use crate::scene::moment::{self, Member, Unresolved};
 use crate::scene::report::{At, Lines, Place, Report};
 use crate::scene::tree::Field;
@@ -39,6 +40,10 @@ pub struct Checked {
     pub end_effectors: Vec<EndEffector>,
     /// Where each of these stands.
     pub effector_places: Vec<Place>,
+    /// In the order of the file.
+    pub drags: Vec<DraftDrag>,
+    /// What discrete editing may do.
+    pub discrete: Option<Discrete>,
 }
 
 impl Checked {
@@ -46,7 +51,13 @@ impl Checked {
     pub fn moments(&self) -> impl Iterator<Item = &Moment> {
         let constraints = self.constraints.iter().flat_map(|constraint| constraint.kind.moments());
         let carries = self.carries.iter().flat_map(|carry| [&carry.during.0, &carry.during.1]);
-        constraints.chain(carries).chain(self.end_effectors.iter().flat_map(EndEffector::moments))
+        let manipulated = self.drags.iter().filter_map(DraftDrag::moment);
+        let times = self.discrete.iter().flat_map(|discrete| discrete.times.iter().flatten());
+        constraints
+            .chain(carries)
+            .chain(self.end_effectors.iter().flat_map(EndEffector::moments))
+            .chain(manipulated)
+            .chain(times.flat_map(|(from, to)| [from, to]))
     }
 }
 
@@ -241,5 +252,7 @@ pub fn order(instant: Instant, member: &Member) -> (usize, f64) {
         Instant::ClipStart(entry) => (entry, f64::NEG_INFINITY),
         Instant::ClipEnd(entry) => (entry, f64::INFINITY),
         Instant::Frame { entry, working } => (entry, working),
+        // Discrete edits make these; no scene file does.
+        Instant::Shown(frame) => (0, frame),
     }
 }

@@ -44,6 +44,8 @@ pub fn check(raw: &raw::Scene, cast: &[Member], lines: &Lines<'_>, report: &mut 
         .iter()
         .enumerate()
         .for_each(|(index, table)| checker.end_effector(table, index));
+    raw.drag.tables().iter().for_each(|table| checker.drag(table));
+    checker.discrete(&raw.discrete);
     checker.checked
 }
 

@@ -8,8 +8,11 @@ pub mod checker;
 pub mod clips;
 pub mod constraints;
 pub mod diagnostic;
+pub mod discrete;
+pub mod drags;
 pub mod effectors;
 pub mod load;
+pub mod manipulation;
 pub mod moment;
 pub mod objects;
 pub mod raw;
@@ -24,12 +27,14 @@ pub mod tree;
 pub mod unavailable;
 pub mod values;
 
+use std::collections::BTreeMap;
+
 use serde::Serialize;
 
 use crate::clip::retarget::RetargetReport;
-use crate::constraint::{Constraint, Moment};
+use crate::constraint::{Captured, Constraint, Discrete, Drag, Moment};
 use crate::effector::EndEffector;
-use crate::index::ObjectId;
+use crate::index::{ConstraintId, ObjectId};
 use crate::object::{Carry, Course, Object};
 use crate::track::Track;
 
@@ -51,12 +56,19 @@ pub struct Scene {
     pub characters: Vec<Character>,
     /// In the order of the file.
     pub objects: Vec<Object>,
-    /// Pins, relatives, times, durations, syncs, each kind in the order of the file.
+    /// Pins, relatives, times, durations, syncs, each kind in the order of the file; then those that drags pull and that the
+    /// file does not have.
     pub constraints: Vec<Constraint>,
     /// In the order of the file, those of one object in the order of time; their objects are not keyframed.
     pub carries: Vec<Carry>,
     /// In the order of the file.
     pub end_effectors: Vec<EndEffector>,
+    /// Scripted manipulation, in order.
+    pub drags: Vec<Drag>,
+    /// What discrete editing may do; `None`: nothing, tracks stay as they are.
+    pub discrete: Option<Discrete>,
+    /// What constraints that ask for it had before all discrete changes; empty as long as there is none.
+    pub captured: BTreeMap<ConstraintId, Captured>,
     /// Bounds on time steps, as multiples of the rest step; `None`: the mode's default.
     pub warp: Warp,
     /// Feet and hands.
@@ -143,10 +155,25 @@ impl Scene {
             || self.carries.iter().any(|carry| carry.object == object)
     }
 
-    /// Every moment that something names: constraints, carries, end effectors, in this order.
+    /// Every moment that something names: constraints, carries, end effectors, times of discrete editing, in this order.
     pub fn moments(&self) -> impl Iterator<Item = &Moment> {
         let constraints = self.constraints.iter().flat_map(|constraint| constraint.kind.moments());
         let carries = self.carries.iter().flat_map(|carry| [&carry.during.0, &carry.during.1]);
-        constraints.chain(carries).chain(self.end_effectors.iter().flat_map(EndEffector::moments))
+        let times = self.discrete.iter().flat_map(|discrete| discrete.times.iter().flatten());
+        constraints
+            .chain(carries)
+            .chain(self.end_effectors.iter().flat_map(EndEffector::moments))
+            .chain(times.flat_map(|(from, to)| [from, to]))
+    }
+
+    /// Every moment that something names, in the same order, to be changed.
+    pub fn moments_mut(&mut self) -> impl Iterator<Item = &mut Moment> {
+        let constraints = self.constraints.iter_mut().flat_map(|constraint| constraint.kind.moments_mut());
+        let carries = self.carries.iter_mut().flat_map(|Carry { during, .. }| [&mut during.0, &mut during.1]);
+        let times = self.discrete.iter_mut().flat_map(|discrete| discrete.times.iter_mut().flatten());
+        constraints
+            .chain(carries)
+            .chain(self.end_effectors.iter_mut().flat_map(EndEffector::moments_mut))
+            .chain(times.flat_map(|(from, to)| [from, to]))
     }
 }

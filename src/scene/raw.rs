@@ -5,10 +5,11 @@ use std::collections::BTreeMap;
 use schemars::JsonSchema;
 use toml::de::DeValue;
 
+use crate::scene::manipulation::{Discrete, Drag};
 use crate::scene::report::{At, Report};
 use crate::scene::things::{Carry, EndEffector, FullBody, Object};
 use crate::scene::tree::{Field, Keys, Node, Read, table, wrong_type};
-use crate::scene::unavailable::{Discrete, Drag, Physics};
+use crate::scene::unavailable::Physics;
 use crate::scene::values::{
     Mode, Named, Offset, OneOrPair, Pair, RelativeFacing, Strength, Tables, Unit, Up,
 };

@@ -43,7 +43,7 @@ mod tests {
     use super::*;
     use crate::scene::report::{Place, Report};
     use crate::scene::tree::{Node, Read};
-    use crate::scene::{things, unavailable};
+    use crate::scene::{manipulation, things, unavailable};
 
     /// A scene with every kind of table.
     const EXAMPLE: &str = include_str!("example.toml");
@@ -100,8 +100,8 @@ mod tests {
         agree::<things::Carry>();
         agree::<things::EndEffector>();
         agree::<things::Target>();
-        agree::<unavailable::Drag>();
-        agree::<unavailable::Discrete>();
+        agree::<manipulation::Drag>();
+        agree::<manipulation::Discrete>();
         agree::<unavailable::Physics>();
         agree::<things::FullBody>();
     }

@@ -160,28 +160,6 @@ impl<T: JsonSchema> JsonSchema for Named<T> {
     }
 }
 
-/// Anything, for settings of stages that are not available yet.
-#[derive(Clone, Copy, Debug)]
-pub struct Anything;
-
-impl JsonSchema for Anything {
-    fn inline_schema() -> bool {
-        true
-    }
-    fn schema_name() -> Cow<'static, str> {
-        "Anything".into()
-    }
-    fn json_schema(_: &mut SchemaGenerator) -> Schema {
-        Schema::default()
-    }
-}
-
-impl Read for Anything {
-    fn read(_: &Node<'_>, _: &mut Report) -> Option<Self> {
-        Some(Self)
-    }
-}
-
 /// One of a few words.
 pub trait Word: Sized {
     /// All of them.
@@ -389,5 +367,29 @@ impl Read for OneOrPair {
                 None
             }
         }
+    }
+}
+
+words! {
+    /// Type of a discrete change.
+    ChangeKind {
+        /// Frames are taken out.
+        Delete = "delete",
+        /// Frames are shown twice.
+        Duplicate = "duplicate",
+        /// Frames from elsewhere are put in.
+        Insert = "insert",
+        /// Frames give way to others.
+        Replace = "replace",
+    }
+}
+
+words! {
+    /// How candidates for discrete changes are weighed.
+    Evaluator {
+        /// In rising order of a lower bound, until what is left cannot win.
+        Exact = "exact",
+        /// All of them, for the same choice.
+        BruteForce = "brute-force",
     }
 }

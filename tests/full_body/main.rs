@@ -18,7 +18,7 @@ use bend::{Bend, bent};
 use clips::{CLIPS, ON_HANDS, OTHERS, RAISED, Stretch, WINDING, Walk, load, stretches};
 use cotillion::clip::contacts::{ContactPoint, Contacts, runs};
 use cotillion::full_body::plants::{FEET, bearing};
-use cotillion::full_body::{BodyInput, PlantMode, PlantedPoint, Refined, WholeContact, refine};
+use cotillion::full_body::{BodyInput, PlantMode, PlantedPoint, Refined, Seams, WholeContact, refine};
 use cotillion::skeleton::Pose;
 use hands::{bears_on_hands, reaches};
 use libtest_mimic::{Arguments, Failed, Trial};
@@ -130,6 +130,7 @@ fn refined(stretch: &Stretch, moved: &[Pose], mode: PlantMode) -> Refined {
         moved: moved.to_vec(),
         contacts: stretch.contacts.to_vec(),
         effectors: Vec::new(),
+        seams: Seams::default(),
     };
     refine(stretch.walk.skeleton(), &input, mode)
 }

@@ -19,8 +19,11 @@ const KNEES_SOFT: f64 = 0.005;
 pub(super) const LEAN: f64 = 0.038;
 /// Swing and bend of a hanging arm, radians, at the ends of a clip.
 pub(super) const HANGING_ARM: (f64, f64) = (0.01, 0.22);
-/// Seconds of a breath and of a sway, rounded so that a clip holds whole ones.
+/// Seconds of a breath, rounded so that a clip holds whole ones.
 const BREATH: f64 = 3.0;
+/// Seconds of a sway, rounded likewise. Frames one sway apart look alike but for the breath, and are near enough in time that
+/// what lies between can be shown twice: standing can be prolonged.
+const SWAY: f64 = 1.5;
 
 /// When the hand of a slap is highest behind, hits, and is down again, as shares of the clip.
 const SLAP_RAISED: f64 = 0.30;
@@ -64,9 +67,9 @@ pub(super) fn slap(body: &Body, seconds: f64, s: f64) -> Pose {
 
 /// Trunk and hanging arms, legs to come; `shift` of the pelvis in metres, `chest_turn` in radians.
 fn upright(body: &Body, seconds: f64, s: f64, shift: DVec3, chest_turn: f64) -> Pose {
-    let breaths = (seconds / BREATH).round().max(1.0);
-    let sway = (TAU * breaths * s).sin();
-    let breath = (TAU * breaths * s).cos();
+    let whole = |period: f64| (seconds / period).round().max(1.0);
+    let sway = (TAU * whole(SWAY) * s).sin();
+    let breath = (TAU * whole(BREATH) * s).cos();
     let place = DVec3::new(0.010 * sway, 0.0, 0.003 * (1.0 - breath));
     let trunk = Trunk {
         pelvis_turn: 0.012 * sway,

@@ -1,0 +1,335 @@
+//! The discrete editor: solves, proposes, and takes the one change that lowers the energy most.
+//!
+//! Source: Kim et al. 2009, §5 and Algorithm 1, with the energy of [`crate::edit::energy`].
+
+use std::sync::{Arc, OnceLock};
+
+use rayon::prelude::*;
+
+use crate::clip::working::{WORKING_STEP, WorkingClip};
+use crate::constraint::{ChangeKind, ConstraintKind, Evaluator};
+use crate::discrete::candidates::{Candidate, Seen, candidates};
+use crate::discrete::choose::{Offer, Weighed, choose};
+use crate::discrete::outcome::{Outcome, TrackChanges};
+use crate::discrete::remap::{Protected, bound, protected, spliced};
+use crate::discrete::settings::DiscreteSettings;
+use crate::discrete::tracks::{copies, open, rest_angles, turns};
+use crate::discrete::weighing::{Proposal, Weighing};
+use crate::edit::energy::{Energy, length};
+use crate::edit::expand::capture;
+use crate::edit::{Edit, EditError, Editor, Target};
+use crate::graph::MotionGraph;
+use crate::index::{CharacterId, ConstraintId};
+use crate::scene::{Character, Scene};
+use crate::track::{Run, Track};
+
+/// When an update happens.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Occasion {
+    /// Before all drags.
+    First,
+    /// In a step of a drag.
+    Drag {
+        /// Which drag, from 0.
+        drag: usize,
+        /// Which of its steps, from 1.
+        step: usize,
+    },
+    /// After all drags.
+    Settling,
+}
+
+/// A change that was made.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LogEntry {
+    /// On whose track.
+    pub character: CharacterId,
+    /// Of which type.
+    pub kind: ChangeKind,
+    /// The first frame that came or went: clip and file frame, as moments name them.
+    pub at: String,
+    /// Track frames before the change that came or went, or the one after which others came, twice.
+    pub interval: (usize, usize),
+    /// Working frames that came, less those that went.
+    pub frames: i64,
+    /// When.
+    pub occasion: Occasion,
+    /// Ê before and after.
+    pub energy: (f64, f64),
+}
+
+/// A scene that is edited with discrete changes.
+pub struct DiscreteEditor {
+    original: Scene,
+    editor: Editor,
+    graph: Arc<MotionGraph>,
+    /// Graph clip of each clip that a character's track may show.
+    clips: Vec<Vec<usize>>,
+    /// Number of entries of each character's own track, and how the rest motion places them, radians.
+    rest_angles: Vec<Vec<f64>>,
+    settings: DiscreteSettings,
+    log: Vec<LogEntry>,
+    /// Of each character; `None` where the track has changed since.
+    proposals: Vec<Option<Vec<Proposal>>>,
+}
+
+/// A candidate, and what is known of it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Appraisal {
+    /// What would happen.
+    pub candidate: Candidate,
+    /// Ê is at least this.
+    pub bound: f64,
+    /// Its Ê; `None` where it cannot be solved.
+    pub energy: Option<f64>,
+}
+
+impl DiscreteEditor {
+    /// Takes a scene and the motion graph of `clips`, which are all that its characters may show besides their own.
+    ///
+    /// # Errors
+    /// Those of [`Editor::new`].
+    pub fn new(
+        scene: Scene,
+        (graph, clips): (Arc<MotionGraph>, &[Arc<WorkingClip>]),
+        settings: DiscreteSettings,
+    ) -> Result<Self, EditError> {
+        let original = scene.clone();
+        let mut scene = bound(scene);
+        let rests: Vec<_> = scene.characters.iter().map(|character| character.track.rest_path()).collect();
+        scene.captured = capture(&scene, &rests);
+        let rest_angles = scene.characters.iter().map(|character| rest_angles(&character.track)).collect();
+        let place = |clip: &Arc<WorkingClip>| clips.iter().position(|known| known == clip);
+        let mut seen = Vec::new();
+        for character in &mut scene.characters {
+            let skeleton = Arc::clone(&character.track.clips[0].clip.skeleton);
+            let fits = clips.iter().filter(|clip| clip.clip.skeleton.matches(&skeleton));
+            character.track.clips.extend(fits.cloned());
+            seen.push(character.track.clips.iter().filter_map(place).collect());
+        }
+        let proposals = scene.characters.iter().map(|_| None).collect();
+        let editor = Editor::new(scene)?;
+        let log = Vec::new();
+        Ok(Self { original, editor, graph, clips: seen, rest_angles, settings, log, proposals })
+    }
+
+    /// The scene as it is now: tracks and targets.
+    pub fn scene(&self) -> &Scene {
+        self.editor.scene()
+    }
+
+    /// Result of the last update.
+    pub fn edit(&self) -> &Edit {
+        self.editor.edit()
+    }
+
+    /// Every change so far.
+    pub fn log(&self) -> &[LogEntry] {
+        &self.log
+    }
+
+    /// Moves the target of a constraint, see [`Editor::move_target`].
+    ///
+    /// # Errors
+    /// As there.
+    pub fn move_target(&mut self, constraint: ConstraintId, target: Target) -> Result<(), EditError> {
+        self.editor.move_target(constraint, target)
+    }
+
+    /// Solves for the present targets and makes the change that lowers Ê most, if one is worth it: at most one, of one
+    /// track. Whether one was made.
+    ///
+    /// # Errors
+    /// Those of [`Editor::solve`] for the present tracks; candidates that cannot be solved do not happen.
+    pub fn update(&mut self, occasion: Occasion) -> Result<bool, EditError> {
+        self.editor.solve()?;
+        let before = self.energy().total;
+        self.propose();
+        let Some((candidate, energy)) = self.choose(before) else { return Ok(false) };
+        let Candidate { character, splice, keep, kind, interval, .. } = candidate;
+        let track = &self.editor.scene().characters[character.as_usize()].track;
+        let (count, changed) = (track.frame_count(), splice.new_count(track.frame_count()));
+        let at = self.place(character, interval.0);
+        let scene = spliced(self.editor.scene(), character, &splice, keep)
+            .expect("a candidate keeps every moment, which its energy has shown");
+        self.editor = Editor::new(scene)?;
+        self.editor.solve()?;
+        self.forget(character);
+        self.log.push(LogEntry {
+            character,
+            kind,
+            at,
+            interval,
+            frames: gained(count, changed),
+            occasion,
+            energy: (before, energy),
+        });
+        Ok(true)
+    }
+
+    fn weighing(&self) -> Weighing<'_> {
+        let tracks = self.editor.scene().characters.iter().map(|character| &character.track);
+        let turned = tracks.zip(&self.rest_angles).map(|(track, angles)| turns(track, angles)).collect();
+        Weighing::new(&self.editor, turned, self.settings.turn_weight)
+    }
+
+    /// The candidate to take and its Ê, if one is worth it.
+    fn choose(&self, before: f64) -> Option<(Candidate, f64)> {
+        let weighing = self.weighing();
+        let all: Vec<&Proposal> = self.proposals.iter().flatten().flatten().collect();
+        let offer = |proposal: &&Proposal| Offer {
+            copies: proposal.copies,
+            distance: proposal.candidate.distance,
+            bound: weighing.first_bound(proposal),
+        };
+        let offers: Vec<Offer> = all.iter().map(offer).collect();
+        let bound = |place: usize| weighing.bound(all[place]);
+        let energy = |place: usize| match self.settings.evaluator {
+            Evaluator::Exact => weighing.energy(all[place]),
+            Evaluator::BruteForce => self.weigh(&all[place].candidate),
+        };
+        let Weighed { place, energy } = choose(offers, before, (bound, energy), &self.settings)?;
+        Some((all[place].candidate.clone(), energy))
+    }
+
+    /// Updates with unchanged targets until nothing is worth it; how many changes were made. It ends: each lowers Ê.
+    ///
+    /// # Errors
+    /// As [`DiscreteEditor::update`].
+    pub fn settle(&mut self) -> Result<usize, EditError> {
+        let mut changes = 0;
+        while self.update(Occasion::Settling)? {
+            changes += 1;
+        }
+        Ok(changes)
+    }
+
+    /// What came of the scene.
+    pub fn into_outcome(self) -> Outcome {
+        let changeable = if self.settings.kinds.is_empty() { 0 } else { self.scene().characters.len() };
+        let tracks = (0..changeable).map(|who| self.changes(who)).collect();
+        let energy = self.energy();
+        let Self { original, editor, log, .. } = self;
+        let (scene, mut edit) = editor.into_parts();
+        edit.energy = energy;
+        Outcome { original, scene, edit, log, tracks }.noted()
+    }
+
+    fn changes(&self, who: usize) -> TrackChanges {
+        let id = CharacterId::from_usize(who);
+        let (track, edited) = (&self.scene().characters[who].track, &self.edit().characters[who]);
+        let last = edited.times.len() - 1;
+        let (rest, seconds) = (length(&edited.rest.positions), last as f64 * WORKING_STEP);
+        let ratio = |edited: f64, rest: f64| if rest > 0.0 { edited / rest } else { 1.0 };
+        TrackChanges {
+            length: ratio(length(&edited.positions), rest),
+            time: ratio(edited.times[last] - edited.times[0], seconds),
+            turns: turns(track, &self.rest_angles[who]),
+            copies: copies(track, &self.clips[who]),
+            open: !self.candidates_of(id, track, &protected(self.scene(), id)).is_empty(),
+        }
+    }
+
+    /// Clip and file frame that a character's track shows at a track frame, as moments name them.
+    fn place(&self, character: CharacterId, frame: usize) -> String {
+        let Character { name, track, .. } = &self.editor.scene().characters[character.as_usize()];
+        let shows = |(run, start): &(&Run, usize)| *start + run.frame_count() > frame;
+        let Some((run, start)) = track.placed_runs().find(shows) else { return name.clone() };
+        let clip = &track.clips[run.entry];
+        let own = self.rest_angles[character.as_usize()].len();
+        let same = |entry: &usize| track.clips[*entry].name == clip.name;
+        let uses = (0..own).filter(same).count();
+        let number = (0..=run.entry.min(own - 1)).filter(same).count();
+        let file = clip.source_frame(f64::from(run.first.0) + (frame - start) as f64).round();
+        if uses > 1 {
+            format!("{name}/{}#{number}:{file}", clip.name)
+        } else {
+            format!("{name}/{}:{file}", clip.name)
+        }
+    }
+
+    /// Terms of Ê of the present result, turns at seams included.
+    pub fn energy(&self) -> Energy {
+        let scene = self.editor.scene();
+        let tracks = scene.characters.iter().map(|character| &character.track);
+        let turns = tracks.zip(&self.rest_angles).map(|(track, angles)| turns(track, angles)).sum::<f64>();
+        self.editor.edit().energy.with_turns(self.settings.turn_weight * turns)
+    }
+
+    fn candidates_of(&self, character: CharacterId, track: &Track, protected: &Protected) -> Vec<Candidate> {
+        let open = open(self.editor.scene(), character);
+        if self.settings.kinds.is_empty() || !open.contains(&true) {
+            return Vec::new();
+        }
+        let still = track.collect(|clip, frame, _| clip.stationary[frame]);
+        let clips = &self.clips[character.as_usize()];
+        let seen = Seen { character, track, clips, protected, still: &still, open: &open };
+        candidates(&self.graph, &seen, &self.settings)
+    }
+
+    /// Ê if `candidate` happened, for the present targets; `None` where that cannot be solved. Solves everything anew.
+    pub fn weigh(&self, candidate: &Candidate) -> Option<f64> {
+        let scene = spliced(self.editor.scene(), candidate.character, &candidate.splice, candidate.keep)?;
+        let turned: f64 =
+            scene.characters.iter().zip(&self.rest_angles).map(|(c, angles)| turns(&c.track, angles)).sum();
+        let mut editor = Editor::new(scene).ok()?;
+        let energy = editor.solve().ok()?.energy;
+        Some(energy.with_turns(self.settings.turn_weight * turned).total)
+    }
+
+    /// All candidates for the targets of the last solve, each with its lower bound and its Ê, in the order of their
+    /// characters. Cost: that of weighing all.
+    pub fn appraise(&mut self) -> Vec<Appraisal> {
+        self.propose();
+        let weighing = self.weighing();
+        let all: Vec<&Proposal> = self.proposals.iter().flatten().flatten().collect();
+        let appraisal = |proposal: &&Proposal| Appraisal {
+            candidate: proposal.candidate.clone(),
+            bound: weighing.bound(proposal),
+            energy: weighing.energy(proposal),
+        };
+        all.par_iter().map(appraisal).collect()
+    }
+
+    /// Finds the candidates of tracks that changed since they were last asked for.
+    fn propose(&mut self) {
+        let scene = self.editor.scene();
+        let stale: Vec<usize> =
+            (0..scene.characters.len()).filter(|who| self.proposals[*who].is_none()).collect();
+        let find = |who: usize| {
+            let id = CharacterId::from_usize(who);
+            let track = &scene.characters[who].track;
+            let found = self.candidates_of(id, track, &protected(scene, id));
+            let proposal = |candidate: Candidate| {
+                let after = track.spliced(&candidate.splice);
+                let (turned, copies) =
+                    (turns(&after, &self.rest_angles[who]), copies(&after, &self.clips[who]));
+                Proposal { candidate, turned, copies, variant: OnceLock::new() }
+            };
+            found.into_iter().map(proposal).collect()
+        };
+        let found: Vec<Vec<Proposal>> = stale.par_iter().map(|who| find(*who)).collect();
+        for (who, found) in stale.into_iter().zip(found) {
+            self.proposals[who] = Some(found);
+        }
+    }
+
+    /// Forgets what was found for the track of `character`, and what its partners' candidates read of it.
+    fn forget(&mut self, character: CharacterId) {
+        self.proposals[character.as_usize()] = None;
+        let names = |kind: &ConstraintKind| kind.moments().iter().any(|moment| moment.character == character);
+        let tied = self.editor.scene().constraints.iter().filter(|constraint| names(&constraint.kind));
+        let partners = tied.flat_map(|constraint| constraint.kind.moments()).map(|moment| moment.character);
+        for partner in partners {
+            for proposal in self.proposals[partner.as_usize()].iter_mut().flatten() {
+                proposal.variant = OnceLock::new();
+            }
+        }
+    }
+}
+
+/// Frames that came, less those that went.
+fn gained(count: usize, changed: usize) -> i64 {
+    let difference = i64::try_from(changed.abs_diff(count)).expect("tracks have fewer than 2^63 frames");
+    if changed < count { -difference } else { difference }
+}

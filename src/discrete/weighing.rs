@@ -1,0 +1,109 @@
+//! Candidates on the scales: what is known of their energy at no cost, a sharper bound, and Ê itself.
+
+use std::collections::BTreeMap;
+use std::sync::{Arc, Mutex, OnceLock, PoisonError};
+
+use cotillion_solvers::PathResponse;
+
+use crate::discrete::candidates::Candidate;
+use crate::discrete::remap::spliced;
+use crate::edit::{Editor, Timing, Variant};
+
+/// A candidate with what stays known of it until its track, or what it is tied to, changes.
+#[derive(Debug)]
+pub struct Proposal {
+    /// What would happen.
+    pub candidate: Candidate,
+    /// Sum of the turns at the seams of its track, radians.
+    pub turned: f64,
+    /// How often it would show one source frame at most.
+    pub copies: usize,
+    /// The track it leads to, once asked for; `None` where a moment is torn apart.
+    pub variant: OnceLock<Option<Variant>>,
+}
+
+/// Solved times by what they depend on; `None` where there are none.
+type Timings = BTreeMap<Vec<u64>, Arc<OnceLock<Option<Timing>>>>;
+
+/// What the candidates of one update share.
+pub struct Weighing<'a> {
+    editor: &'a Editor,
+    turn_weight: f64,
+    /// Present sum of the turns at seams of each character, radians.
+    turned: Vec<f64>,
+    /// Of each character: least energy of all that its changes leave alone, and how its path answers to them.
+    others: Vec<OnceLock<f64>>,
+    responses: Vec<OnceLock<Option<PathResponse>>>,
+    timings: Mutex<Timings>,
+}
+
+impl<'a> Weighing<'a> {
+    /// Weighs changes of what `editor` has just solved. `turned`: sum of the turns at seams of each character, radians.
+    pub fn new(editor: &'a Editor, turned: Vec<f64>, turn_weight: f64) -> Self {
+        Self {
+            editor,
+            turn_weight,
+            others: turned.iter().map(|_| OnceLock::new()).collect(),
+            responses: turned.iter().map(|_| OnceLock::new()).collect(),
+            timings: Mutex::default(),
+            turned,
+        }
+    }
+
+    /// A lower bound that takes no work: turns at seams, and those who are not tied to the character.
+    pub fn first_bound(&self, proposal: &Proposal) -> f64 {
+        let who = proposal.candidate.character;
+        let others = self.others[who.as_usize()].get_or_init(|| self.editor.energy_of_others(who));
+        others + self.turns(proposal)
+    }
+
+    /// A sharper lower bound; infinite where the times have no solution.
+    pub fn bound(&self, proposal: &Proposal) -> f64 {
+        let Some(variant) = self.variant(proposal) else { return f64::INFINITY };
+        let timing = self.timing(variant);
+        let Some(timing) = timing.get().and_then(Option::as_ref) else { return f64::INFINITY };
+        let who = proposal.candidate.character;
+        let response = self.responses[who.as_usize()].get_or_init(|| self.editor.response(who));
+        self.editor.energy_bound(variant, timing, response.as_ref()) + self.turns(proposal)
+    }
+
+    /// Ê; `None` where there is no solution. Solves the groups that the character is in; all where objects move.
+    pub fn energy(&self, proposal: &Proposal) -> Option<f64> {
+        let Candidate { character, splice, keep, .. } = &proposal.candidate;
+        let energy = if self.editor.is_separable() {
+            let variant = self.variant(proposal)?;
+            let timing = self.timing(variant);
+            self.editor.energy_of(variant, timing.get()?.as_ref()?).ok()?
+        } else {
+            let scene = spliced(self.editor.scene(), *character, splice, *keep)?;
+            Editor::new(scene).ok()?.solve().ok()?.energy
+        };
+        Some(energy.with_turns(self.turns(proposal)).total)
+    }
+
+    /// The turn term if `proposal` happened.
+    fn turns(&self, proposal: &Proposal) -> f64 {
+        let who = proposal.candidate.character.as_usize();
+        let own = |(other, turned): (usize, &f64)| if other == who { proposal.turned } else { *turned };
+        self.turn_weight * self.turned.iter().enumerate().map(own).sum::<f64>()
+    }
+
+    fn variant<'b>(&self, proposal: &'b Proposal) -> Option<&'b Variant> {
+        let Candidate { character, splice, keep, .. } = &proposal.candidate;
+        let make = || {
+            let scene = spliced(self.editor.scene(), *character, splice, *keep)?;
+            Some(self.editor.variant(&scene, *character))
+        };
+        proposal.variant.get_or_init(make).as_ref()
+    }
+
+    /// Times of a variant: many have the same ones.
+    fn timing(&self, variant: &Variant) -> Arc<OnceLock<Option<Timing>>> {
+        let known = {
+            let mut timings = self.timings.lock().unwrap_or_else(PoisonError::into_inner);
+            Arc::clone(timings.entry(variant.time_key()).or_default())
+        };
+        known.get_or_init(|| self.editor.timing(variant).ok());
+        known
+    }
+}

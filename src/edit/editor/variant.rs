@@ -1,0 +1,330 @@
+//! What the energy would be if one character performed another track: only who is connected to them is solved, and a lower
+//! bound takes less than that.
+
+use cotillion_solvers::PathResponse;
+
+use crate::clip::working::WORKING_STEP;
+use crate::constraint::{ConstraintKind, Strength};
+use crate::edit::EditError;
+use crate::edit::energy::{Energy, Extent, least_length_cost, length};
+use crate::edit::expand::{Expansion, expand_some, expand_times};
+use crate::edit::groups::Group;
+use crate::edit::hold::{Hold, Prepared};
+use crate::edit::phase::weight_of;
+use crate::edit::retarget::{retarget, seconds_of};
+use crate::edit::spatial::SpatialComponent;
+use crate::edit::temporal::TemporalComponent;
+use crate::edit::time_row::TimeRow;
+use crate::geometry::c64;
+use crate::index::{CharacterId, ConstraintId};
+use crate::path::RestPath;
+use crate::scene::Scene;
+
+use super::{Editor, solve_times, space_error};
+
+/// Bounds are lowered by this share of the energies they come from, and by as much without units: what-ifs are good to
+/// about 1e-8, and to 1e-7 where hard places all but contradict each other.
+const ROUNDING: f64 = 1e-5;
+
+/// Another track in place of a character's, with all rows on it. It outlives drags: numbers are read from the scene anew.
+#[derive(Clone, Debug)]
+pub struct Variant {
+    /// Whose track.
+    pub character: usize,
+    /// Rest path of the other track.
+    pub rest: RestPath,
+    /// Spatial rows of all constraints that name the character, in their order; paths are numbered as characters.
+    held: Vec<Prepared>,
+    /// Temporal rows of these, likewise.
+    times: Vec<TimeRow>,
+    /// These constraints, rising.
+    constraints: Vec<ConstraintId>,
+}
+
+/// Times of the tracks that are tied to a variant.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Timing {
+    /// Component.
+    group: usize,
+    /// Its energy, s².
+    energy: f64,
+    /// Seconds from first to last frame of each of its tracks.
+    seconds: Vec<f64>,
+}
+
+/// What a variant makes of the paths that are tied to it.
+struct Space {
+    group: usize,
+    /// Of the shape and the scale phase, m².
+    energies: (f64, f64),
+    /// Length of each of its paths, metres.
+    lengths: Vec<f64>,
+}
+
+/// The least that a variant makes of its group.
+struct LeastSpace {
+    /// Its shape, its paths as long as at rest.
+    space: Space,
+    /// What their lengths cost at least, residuals that save some of it included.
+    length_cost: f64,
+    /// Whether the shape is known.
+    known: bool,
+}
+
+impl Variant {
+    /// All that times depend on besides the present targets: variants with the same key are shown at the same times.
+    pub fn time_key(&self) -> Vec<u64> {
+        let points = self.times.iter().flat_map(|row| [Some(row.at), row.minus]).flatten();
+        let frames = points.map(|point| point.frame.to_bits());
+        [self.character as u64, self.rest.len() as u64].into_iter().chain(frames).collect()
+    }
+}
+
+impl Editor {
+    /// Whether energies of groups are independent of each other: no object moves.
+    pub fn is_separable(&self) -> bool {
+        self.scene.carries.is_empty() && self.following.is_empty()
+    }
+
+    /// The track that `character` has in `scene`, which differs from this editor's in nothing else but where moments on this
+    /// track are.
+    pub fn variant(&self, scene: &Scene, character: CharacterId) -> Variant {
+        let who = character.as_usize();
+        let rest = scene.characters[who].track.rest_path();
+        let mut rests: Vec<&RestPath> = self.edit.characters.iter().map(|own| &own.rest).collect();
+        rests[who] = &rest;
+        let names = |kind: &ConstraintKind| kind.moments().iter().any(|moment| moment.character == character);
+        let Expansion { held, times, .. } = match self.is_separable() {
+            true => expand_some(scene, &rests, names),
+            false => Expansion { times: expand_times(scene, names), ..Expansion::default() },
+        };
+        let held = held.into_iter().map(|row| Prepared::new(row, &rests, self.settings.baseline)).collect();
+        let named = scene.constraints.iter().enumerate().filter(|(_, constraint)| names(&constraint.kind));
+        let constraints = named.map(|(index, _)| ConstraintId::from_usize(index)).collect();
+        Variant { character: who, rest, held, times, constraints }
+    }
+
+    /// How the shape of a character's path answers to changes of it, for any number of variants; `None` where that cannot be
+    /// said beforehand. It holds until systems are factored anew.
+    pub fn response(&self, character: CharacterId) -> Option<PathResponse> {
+        let (group, place) = place_of(&self.spatial, character.as_usize())?;
+        self.spatial[group].component.response(place)
+    }
+
+    /// Times of a variant for the present targets.
+    ///
+    /// # Errors
+    /// Those of [`Editor::solve`].
+    pub fn timing(&self, variant: &Variant) -> Result<Timing, EditError> {
+        let (index, place) = place_of(&self.temporal, variant.character).unwrap_or_default();
+        let Group { component, characters, frames, .. } = &self.temporal[index];
+        let mut counts = component.counts.clone();
+        counts[place] = variant.rest.len();
+        let number = |track: usize| characters.binary_search(&track).unwrap_or_default();
+        let mut rows = variant.times.clone();
+        for row in &mut rows {
+            row.seconds =
+                seconds_of(&self.scene.constraints[row.constraint.as_usize()].kind).unwrap_or(row.seconds);
+            row.at.track = number(row.at.track);
+            if let Some(minus) = &mut row.minus {
+                minus.track = number(minus.track);
+            }
+        }
+        rows.extend(component.rows.iter().filter(|row| !variant.binds(row.constraint)));
+        rows.sort_by_key(|row| row.constraint);
+        let component = TemporalComponent::new(counts, rows, component.settings());
+        let characters = characters.clone();
+        let mut group = Group { characters, component, frames: *frames, stale: true };
+        solve_times(&self.scene, &mut group)?;
+        let TemporalComponent { times, energy, .. } = &group.component;
+        let seconds = times.iter().map(|times| times[times.len() - 1] - times[0]).collect();
+        Ok(Timing { group: index, energy: energy.0 + energy.1, seconds })
+    }
+
+    /// Ê if `variant` were performed, for the targets of the last solve: the same as that of an editor built for it. `timing`:
+    /// its times. Only for scenes in which no object moves.
+    ///
+    /// # Errors
+    /// Those of [`Editor::solve`].
+    pub fn energy_of(&self, variant: &Variant, timing: &Timing) -> Result<Energy, EditError> {
+        debug_assert!(self.is_separable(), "objects tie groups to each other");
+        let (index, place) = place_of(&self.spatial, variant.character).unwrap_or_default();
+        let group = &self.spatial[index];
+        let mut rests = group.component.rests.clone();
+        rests[place] = variant.rest.clone();
+        let held = self.held_with(variant, group);
+        let mut component = SpatialComponent::new(rests, held, self.settings, self.backend);
+        component.solve().map_err(|error| space_error(&self.scene, &group.characters, error))?;
+        let energy = component.energy;
+        let space = Space {
+            group: index,
+            energies: (energy.shape + energy.shape_soft, energy.scale + energy.scale_soft),
+            lengths: component.bodies.iter().map(|body| body.length).collect(),
+        };
+        Ok(self.energy_with(variant, timing, &space))
+    }
+
+    /// A lower bound of [`Editor::energy_of`]: exact times; exact shape where `response` is given and says it; paths that go
+    /// straight from one hard place to the next. Cost: linear in the frames of the variant and the rows of its group.
+    pub fn energy_bound(&self, variant: &Variant, timing: &Timing, response: Option<&PathResponse>) -> f64 {
+        if !self.is_separable() {
+            return self.time_bound(variant, timing);
+        }
+        let LeastSpace { space, length_cost, .. } = self.least_space(variant, response);
+        let bound = self.energy_with(variant, timing, &space).total + length_cost;
+        bound - ROUNDING * (1.0 + bound + self.edit.energy.total)
+    }
+
+    /// The shape term of [`Editor::energy_of`], by an update of the present solution; `None` where it cannot be said
+    /// beforehand. Cost: as [`Editor::energy_bound`].
+    pub fn shape_of(&self, variant: &Variant, timing: &Timing, response: &PathResponse) -> Option<f64> {
+        let LeastSpace { space, known, .. } = self.least_space(variant, Some(response));
+        known.then(|| self.energy_with(variant, timing, &space).shape)
+    }
+
+    fn least_space(&self, variant: &Variant, response: Option<&PathResponse>) -> LeastSpace {
+        let (index, place) = place_of(&self.spatial, variant.character).unwrap_or_default();
+        let group = &self.spatial[index];
+        let held = self.held_with(variant, group);
+        let mut rests: Vec<&RestPath> = group.component.rests.iter().collect();
+        rests[place] = &variant.rest;
+        let lengths: Vec<f64> = rests.iter().map(|rest| length(&rest.positions)).collect();
+        let least = |(path, own): (usize, &f64)| {
+            let [all, hard] = [true, false].map(|soft| {
+                let (straight, give) = straight_length(&held, (path, rests[path]), soft);
+                least_length_cost((*own, straight), give, self.scene.mode)
+            });
+            all.max(hard)
+        };
+        let length_cost = lengths.iter().enumerate().map(least).sum();
+        let shape =
+            response.and_then(|response| group.component.shape_energy_if(response, place, &rests, held));
+        let energies = (shape.unwrap_or(0.0).max(0.0), 0.0);
+        LeastSpace { space: Space { group: index, energies, lengths }, length_cost, known: shape.is_some() }
+    }
+
+    /// A lower bound of what all those cost who are not tied to `character`.
+    pub fn energy_of_others(&self, character: CharacterId) -> f64 {
+        if !self.is_separable() {
+            return 0.0;
+        }
+        let who = character.as_usize();
+        let mut extents = self.extents.clone();
+        let mut sums = (0.0, 0.0, 0.0);
+        for Group { characters, component, .. } in &self.spatial {
+            if characters.binary_search(&who).is_ok() {
+                characters.iter().for_each(|tied| extents[*tied].length = (0.0, 0.0));
+            } else {
+                sums.0 += component.energy.shape + component.energy.shape_soft;
+                sums.1 += component.energy.scale + component.energy.scale_soft;
+            }
+        }
+        for Group { characters, component, .. } in &self.temporal {
+            if characters.binary_search(&who).is_ok() {
+                characters.iter().for_each(|tied| extents[*tied].seconds = (0.0, 0.0));
+            } else {
+                sums.2 += component.energy.0 + component.energy.1;
+            }
+        }
+        let bound = Energy::new(sums.0, sums.1, sums.2, &extents, self.scene.mode).total;
+        bound - ROUNDING * (1.0 + bound)
+    }
+
+    /// What times alone cost.
+    fn time_bound(&self, variant: &Variant, timing: &Timing) -> f64 {
+        let mut extents = self.extents.clone();
+        extents.iter_mut().for_each(|extent| extent.length = (0.0, 0.0));
+        self.take_seconds(variant, timing, &mut extents);
+        let time = self.time_sum(timing);
+        let bound = Energy::new(0.0, 0.0, time, &extents, self.scene.mode).total;
+        bound - ROUNDING * (1.0 + bound)
+    }
+
+    fn time_sum(&self, timing: &Timing) -> f64 {
+        let own = |(index, group): (usize, &Group<TemporalComponent>)| match index == timing.group {
+            true => timing.energy,
+            false => group.component.energy.0 + group.component.energy.1,
+        };
+        self.temporal.iter().enumerate().map(own).fold(0.0, |sum, energy| sum + energy)
+    }
+
+    fn take_seconds(&self, variant: &Variant, timing: &Timing, extents: &mut [Extent]) {
+        extents[variant.character].seconds.0 = (variant.rest.len() - 1) as f64 * WORKING_STEP;
+        for (character, seconds) in self.temporal[timing.group].characters.iter().zip(&timing.seconds) {
+            extents[*character].seconds.1 = *seconds;
+        }
+    }
+
+    /// Ê of the variant's groups and all others as they are, summed in the order of [`Editor::solve`].
+    fn energy_with(&self, variant: &Variant, timing: &Timing, space: &Space) -> Energy {
+        let mut extents = self.extents.clone();
+        extents[variant.character].length.0 = length(&variant.rest.positions);
+        for (character, length) in self.spatial[space.group].characters.iter().zip(&space.lengths) {
+            extents[*character].length.1 = *length;
+        }
+        self.take_seconds(variant, timing, &mut extents);
+        let mut sums = (0.0, 0.0);
+        for (index, group) in self.spatial.iter().enumerate() {
+            let energy = group.component.energy;
+            let present = (energy.shape + energy.shape_soft, energy.scale + energy.scale_soft);
+            let (shape, scale) = if index == space.group { space.energies } else { present };
+            sums.0 += shape;
+            sums.1 += scale;
+        }
+        Energy::new(sums.0, sums.1, self.time_sum(timing), &extents, self.scene.mode)
+    }
+
+    /// Held rows of a group with those of the variant in place of its character's.
+    fn held_with(&self, variant: &Variant, group: &Group<SpatialComponent>) -> Vec<Prepared> {
+        let number = |path: usize| group.characters.binary_search(&path).unwrap_or_default();
+        let fresh = |prepared: &Prepared| {
+            let mut prepared = *prepared;
+            retarget(&mut prepared.row, &self.scene);
+            prepared.renumbered(number)
+        };
+        let mut held: Vec<Prepared> = variant.held.iter().map(fresh).collect();
+        let others = group.component.held.iter().filter(|prepared| !variant.binds(prepared.row.constraint));
+        held.extend(others.map(|prepared| Prepared { body_only: false, partner_row: None, ..*prepared }));
+        held.sort_by_key(|prepared| prepared.row.constraint);
+        held
+    }
+}
+
+impl Variant {
+    fn binds(&self, constraint: ConstraintId) -> bool {
+        self.constraints.binary_search(&constraint).is_ok()
+    }
+}
+
+/// Group of a character, and place in it.
+fn place_of<C>(groups: &[Group<C>], character: usize) -> Option<(usize, usize)> {
+    let place =
+        |(index, group): (usize, &Group<C>)| Some((index, group.characters.binary_search(&character).ok()?));
+    groups.iter().enumerate().find_map(place)
+}
+
+/// Length of the straight lines from each held place of a path to the next, metres, and how readily soft ones give way:
+/// residuals that shorten the lines by R cost at least `R²/2g` in Ê, g the second number, m².
+/// `soft`: whether soft places count.
+fn straight_length(held: &[Prepared], (path, rest): (usize, &RestPath), soft: bool) -> (f64, f64) {
+    let place = |prepared: &Prepared| match prepared.row.hold {
+        _ if !soft && prepared.row.strength != Strength::Hard => None,
+        // Beyond the last frame, rows go on along its line, which the path does not.
+        Hold::Position { at, target } if at.path == path && at.frame <= (rest.len() - 1) as f64 => {
+            Some((at.frame, target, at.detail.norm(), weight_of(prepared)))
+        }
+        _ => None,
+    };
+    let mut places: Vec<_> = held.iter().filter_map(place).collect();
+    places.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let between =
+        |pair: &[(f64, c64, f64, Option<f64>)]| (pair[1].1 - pair[0].1).norm() - pair[0].2 - pair[1].2;
+    let straight = places.windows(2).map(|pair| between(pair).max(0.0)).sum();
+    // A place within the path moves two lines.
+    let last = places.len().saturating_sub(1);
+    let lever = |index: usize| if index == 0 || index == last { 1.0 } else { 4.0 };
+    let give = |(index, place): (usize, &(f64, c64, f64, Option<f64>))| {
+        place.3.map_or(0.0, |weight| lever(index) * WORKING_STEP.powi(3) / weight)
+    };
+    (straight, places.iter().enumerate().map(give).sum())
+}

@@ -1,0 +1,79 @@
+//! What the program says of drags and of steps that come and go.
+
+mod home;
+
+use std::fs;
+
+use home::{Home, cotillion, stderr, stdout, text};
+use serde_json::Value;
+
+/// Ann's end is pulled to twice the length of her way.
+const PULLED: &str = r#"
+title = "Pulled"
+[clips]
+walk = "builtin:walk"
+[[character]]
+name = "ann"
+track = ["walk"]
+[[pin]]
+at = "ann:start"
+position = [0.0, 0.0]
+[[drag]]
+handle = "ann:end"
+to = [8.4, 0.0]
+facing = 0.0
+steps = 5
+"#;
+
+fn pulled(more: &str) -> (Value, String) {
+    let home = Home::with(&format!("{PULLED}{more}"));
+    let output = home.run(&["--no-cache"]);
+    assert!(output.status.success(), "{}", stderr(&output));
+    let report = fs::read_to_string(home.path("result/report.json")).expect("a report");
+    (serde_json::from_str(&report).expect("JSON"), stdout(&output))
+}
+
+#[test]
+fn a_drag_adds_steps_and_the_report_and_the_summary_say_so() {
+    let (report, said) = pulled("[discrete]\n");
+    let ann = &report["characters"][0];
+    let changes = ann["discrete"].as_array().expect("a list");
+    assert!(changes.len() >= 2, "{changes:?}");
+    let mut came = 0;
+    for change in changes {
+        assert!(change["at"].as_str().is_some_and(|at| at.starts_with("ann/walk:")), "{change}");
+        assert!(
+            ["insert", "duplicate", "delete", "replace"].contains(&change["kind"].as_str().unwrap_or(""))
+        );
+        let settles = change["settling"] == true;
+        assert_eq!((change["drag"].is_u64(), change["step"].is_u64()), (!settles, !settles), "{change}");
+        came += change["frames"].as_i64().expect("a number of frames");
+    }
+    let frames = |which: &str| ann["track_frames"][which].as_f64().expect("a number");
+    assert_eq!(frames("edited") - frames("rest"), came as f64);
+    assert!(ann["stretch"]["length"].as_f64().is_some_and(|ratio| (0.75..1.25).contains(&ratio)), "{ann}");
+    assert!(ann["stretch"]["time"].is_f64() && ann["seam_turns"].is_f64());
+    assert!(ann["copies"].as_u64().is_some_and(|copies| copies >= 2));
+    assert!(said.contains(&format!("{} discrete changes: +{came}", changes.len())), "{said}");
+}
+
+#[test]
+fn a_drag_without_discrete_editing_stretches_what_is_there() {
+    let (report, said) = pulled("");
+    let ann = &report["characters"][0];
+    assert_eq!(ann["discrete"].as_array().map(Vec::len), Some(0), "{ann}");
+    assert_eq!(ann["frames_in"], ann["frames_out"]);
+    let length = |which: &str| ann["path_length"][which].as_f64().expect("a length");
+    assert!(length("edited") > 1.5 * length("rest"), "{ann}");
+    assert!(!said.contains("discrete"), "{said}");
+}
+
+#[test]
+fn check_says_what_drags_move() {
+    let home = Home::with(PULLED);
+    let output = cotillion(&["check", text(&home.path("scene.toml"))]);
+    assert!(output.status.success(), "{}", stderr(&output));
+    let said = stdout(&output);
+    let line = "ann:end drags the position of drag[0].position and the facing of drag[0].facing in 5 steps";
+    assert!(said.contains(line), "{said}");
+}
