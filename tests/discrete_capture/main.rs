@@ -190,6 +190,7 @@ fn stretched(folder: &Path, name: &str, tolerance: f64) -> Result<(), Failed> {
     let told = || format!("own {own:?} ({slide}), found {found:?} of {shown}, {pinned:?}, bent {bent:?}");
     check((found.stride / own.stride - 1.0).abs() <= tolerance, told)?;
     check(found.before <= SLIDE * slide && found.before <= SLIDE_LEFT * bent.before, told)?;
+    check(pinned.after <= slide, told)?;
     check(found.after <= CLEANED * shown, told)
 }
 
