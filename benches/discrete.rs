@@ -11,14 +11,15 @@ use std::time::Instant;
 use cotillion::constraint::Evaluator;
 use cotillion::discrete::editor::{DiscreteEditor, Occasion};
 use cotillion::discrete::settings::DiscreteSettings;
+use cotillion::edit::Backend;
 use cotillion::scene::Mode;
 use cotillion_solvers::workload::PUBLISHED_SCENES;
 use workload::{Case, case};
 
 const UPDATES: usize = 40;
 
-fn run(case: &Case, evaluator: Evaluator) {
-    let settings = DiscreteSettings { evaluator, ..DiscreteSettings::of_scene(&case.scene) };
+fn run(case: &Case, evaluator: Evaluator, backend: Backend) {
+    let settings = DiscreteSettings { evaluator, backend, ..DiscreteSettings::of_scene(&case.scene) };
     let mut editor = DiscreteEditor::new(case.scene.clone(), (Arc::clone(&case.graph), &case.clips), settings).expect("sound");
     let n = editor.appraise().len();
     let start = Instant::now();
@@ -34,8 +35,8 @@ fn main() {
     for mode in [Mode::Paper, Mode::Production] {
         for published in &PUBLISHED_SCENES {
             let case = case(published, mode);
-            run(&case, Evaluator::Exact);
-            run(&case, Evaluator::BruteForce);
+            run(&case, Evaluator::Exact, Backend::Reduced);
+            run(&case, Evaluator::Subsampled, Backend::Direct);
         }
     }
 }

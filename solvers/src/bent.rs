@@ -67,7 +67,7 @@ impl Bent {
             origins: vec![State::default(); problem.loads.len()],
             energy: 0.0,
             settled: true,
-            scratch: factor.lu().lu_scratch(),
+            scratch: factor.scratch(),
         }
     }
 
@@ -92,7 +92,7 @@ impl Bent {
         let scale = largest(&self.residual);
         let (mut last, mut missed, mut refinements, mut settled) = (1.0, f64::INFINITY, 0, false);
         for step in 0..=MOST_REFINEMENTS {
-            factor.lu().substitute(&mut self.residual, &mut self.scratch);
+            factor.substitute(&mut self.residual, &mut self.scratch);
             self.unknowns.iter_mut().zip(&self.residual).for_each(|(u, change)| u.add(*change));
             let correction = self.bend_nodes(problem, step >= FIRST_COMPENSATED_STEP);
             self.find_residual(problem, targets);
@@ -235,7 +235,7 @@ impl Bent {
     /// Components of a bent piece along its similarities.
     fn components(&self, problem: &Compliance, piece: usize) -> [c64; 2] {
         let path = problem.first_pieces.partition_point(|first| *first <= piece) - 1;
-        let (rest, centre) = (&problem.paths[path], problem.loads[piece].centre());
+        let (rest, centre) = (&*problem.paths[path], problem.loads[piece].centre());
         let (mut sum, mut turned) = (c64::default(), c64::default());
         self.expand_piece(problem, (path, piece), &mut |j, point, _| {
             sum += point;

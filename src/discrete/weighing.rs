@@ -3,11 +3,9 @@
 use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
-use cotillion_solvers::PathResponse;
-
 use crate::discrete::candidates::Candidate;
 use crate::discrete::remap::spliced;
-use crate::edit::{Editor, Timing, Variant};
+use crate::edit::{Editor, GroupResponse, Timing, Variant};
 
 /// A candidate with what stays known of it until its track, or what it is tied to, changes.
 #[derive(Debug)]
@@ -31,20 +29,25 @@ pub struct Weighing<'a> {
     turn_weight: f64,
     /// Present sum of the turns at seams of each character, radians.
     turned: Vec<f64>,
-    /// Of each character: least energy of all that its changes leave alone, and how its path answers to them.
+    /// Of each character: least energy of all that its changes leave alone, and how its group answers to them.
     others: Vec<OnceLock<f64>>,
-    responses: Vec<OnceLock<Option<PathResponse>>>,
+    responses: &'a [OnceLock<Option<GroupResponse>>],
     timings: Mutex<Timings>,
 }
 
 impl<'a> Weighing<'a> {
-    /// Weighs changes of what `editor` has just solved. `turned`: sum of the turns at seams of each character, radians.
-    pub fn new(editor: &'a Editor, turned: Vec<f64>, turn_weight: f64) -> Self {
+    /// Weighs changes of what `editor` has just solved. `responses`: room for that of each character, or what is known of
+    /// them since systems were last factored. `turned`: sum of the turns at seams of each character, radians.
+    pub fn new(
+        (editor, responses): (&'a Editor, &'a [OnceLock<Option<GroupResponse>>]),
+        turned: Vec<f64>,
+        turn_weight: f64,
+    ) -> Self {
         Self {
             editor,
             turn_weight,
             others: turned.iter().map(|_| OnceLock::new()).collect(),
-            responses: turned.iter().map(|_| OnceLock::new()).collect(),
+            responses,
             timings: Mutex::default(),
             turned,
         }
@@ -62,9 +65,32 @@ impl<'a> Weighing<'a> {
         let Some(variant) = self.variant(proposal) else { return f64::INFINITY };
         let timing = self.timing(variant);
         let Some(timing) = timing.get().and_then(Option::as_ref) else { return f64::INFINITY };
+        self.editor.energy_bound(variant, timing) + self.turns(proposal)
+    }
+
+    /// Ê to rounding; `None` where only solving anew tells.
+    pub fn estimate(&self, proposal: &Proposal) -> Option<f64> {
+        let variant = self.variant(proposal)?;
+        let timing = self.timing(variant);
         let who = proposal.candidate.character;
-        let response = self.responses[who.as_usize()].get_or_init(|| self.editor.response(who));
-        self.editor.energy_bound(variant, timing, response.as_ref()) + self.turns(proposal)
+        let response = self.responses[who.as_usize()].get_or_init(|| self.editor.response(who)).as_ref()?;
+        let energy = self.editor.energy_if(variant, timing.get()?.as_ref()?, response)?;
+        Some(energy.with_turns(self.turns(proposal)).total)
+    }
+
+    /// Ê by the published estimate; `marked`: frames of each present track that any change joins. Where objects move, Ê.
+    pub fn sampled(&self, proposal: &Proposal, marked: &[Vec<usize>]) -> Option<f64> {
+        if !self.editor.is_separable() {
+            return self.energy(proposal);
+        }
+        let Candidate { character, splice, keep, .. } = &proposal.candidate;
+        let variant = self.variant(proposal)?;
+        let timing = self.timing(variant);
+        let mut marked = marked.to_vec();
+        let own = &mut marked[character.as_usize()];
+        *own = own.iter().filter_map(|frame| splice.map(*frame, *keep)).collect();
+        let energy = self.editor.energy_sampled(variant, timing.get()?.as_ref()?, &marked).ok()?;
+        Some(energy.with_turns(self.turns(proposal)).total)
     }
 
     /// Ê; `None` where there is no solution. Solves the groups that the character is in; all where objects move.

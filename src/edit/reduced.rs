@@ -1,7 +1,7 @@
 //! One phase reduced exactly to its held rows: paths as springs.
 
 use cotillion_solvers::{
-    Bent, Change, Compliance, ComplianceAnalysis, ComplianceFactor, KktError, PathResponse, PointRow,
+    Bent, Compliance, ComplianceAnalysis, ComplianceFactor, KktError, PathResponse, PointRow,
 };
 use rayon::prelude::*;
 
@@ -91,10 +91,23 @@ impl ReducedPhase {
         Some(PathResponse::new(&self.problem, factor, path))
     }
 
-    /// Energy of springs and soft rows if one path were another; `None` where that system is singular.
-    pub fn energy_if(&self, response: &PathResponse, change: &Change<'_>) -> Option<f64> {
-        let (_, bent) = self.factor.as_ref()?;
-        response.energy(&self.problem, (bent, &self.targets), change).ok()
+    /// The same with other springs for path `path`, those of `freedom`, and other terms and weights of the rows on it;
+    /// `None` where that has other unknowns or is singular. `response`: of the path.
+    pub fn exchanged(
+        &self,
+        (path, freedom): (usize, Freedom),
+        rows: &[PointRow<c64>],
+        settings: &SpatialSettings,
+        response: &PathResponse,
+    ) -> Option<Self> {
+        let (factor, _) = self.factor.as_ref()?;
+        let mut all = rows.to_vec();
+        all.extend(run_rows(freedom));
+        let targets = vec![c64::default(); all.len()];
+        let problem = self.problem.with_path(path, spring_path(freedom, path, settings)?, all)?;
+        let factor = response.factor((&self.problem, factor), &problem).ok()?;
+        let bent = Bent::new(&problem, &factor);
+        Some(Self { problem, analysis: None, factor: Some((factor, bent)), targets })
     }
 
     /// Free motions fixed as at rest.

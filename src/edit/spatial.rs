@@ -4,19 +4,20 @@
 //! right-hand sides, substitutions and one pass over the frames. Source: Kim et al. 2009, §4.1–4.2, in the forms that
 //! the module docs of `springs`, `hold` and `reference` give.
 
-use cotillion_solvers::{KktError, PathResponse};
+use cotillion_solvers::KktError;
 
 use crate::edit::bodies::{first_disagreement, leave_to_the_body, spread_still_rotations};
 use crate::edit::clash::{self, Miss};
 use crate::edit::columns::Freedom;
+use crate::edit::energy::length;
 use crate::edit::facing::{Body, hold_facings};
 use crate::edit::hold::{Direction, Hold, Phase, Prepared, Rotations, run_chord};
 use crate::edit::parallel::for_each_path;
 use crate::edit::phase::PhaseSolver;
 use crate::edit::reference::reference_translations;
+use crate::edit::sampling::Sampling;
 use crate::edit::settings::{Backend, FacingMode, SpatialSettings};
 use crate::edit::turned::TurnedPath;
-use crate::edit::what_if::{ChangedPath, shape_energy_if};
 use crate::geometry::{c64, cis};
 use crate::index::ConstraintId;
 use crate::path::{RestPath, RestSegments};
@@ -55,6 +56,8 @@ pub type Runs = Vec<(usize, usize)>;
 pub struct SpatialComponent {
     /// Rest paths.
     pub rests: Vec<RestPath>,
+    /// Which frames these are; empty: all.
+    pub(super) samplings: Vec<Sampling>,
     /// Held rows; places name paths of this component. Targets may change, structure may not.
     pub held: Vec<Prepared>,
     /// Stationary stretches that had to give up their rigidity: path, position in its list.
@@ -72,17 +75,19 @@ pub struct SpatialComponent {
     /// Energies of the present result.
     pub energy: SpatialEnergy,
     /// What moved each rest path before the shape phase bent it.
-    translations: Vec<c64>,
-    settings: SpatialSettings,
-    backend: Backend,
+    pub(super) translations: Vec<c64>,
+    pub(super) settings: SpatialSettings,
+    pub(super) backend: Backend,
     /// Segments of the rest paths.
-    segments: Vec<RestSegments>,
+    pub(super) segments: Vec<RestSegments>,
     /// Longest chord of every stationary stretch, by path.
-    chords: Vec<Vec<Direction>>,
-    shape: PhaseSolver,
-    scale: PhaseSolver,
+    pub(super) chords: Vec<Vec<Direction>>,
+    pub(super) shape: PhaseSolver,
+    pub(super) scale: PhaseSolver,
     /// Systems with other stretches released than the present ones, with these stretches.
-    others: Vec<(Runs, [PhaseSolver; 2])>,
+    pub(super) others: Vec<(Runs, [PhaseSolver; 2])>,
+    /// Of bodies, only the lengths of their paths are asked for.
+    pub(super) lengths_only: bool,
 }
 
 /// So many systems with other stretches released are kept.
@@ -98,6 +103,16 @@ impl SpatialComponent {
     /// Assembles both systems. Cost: linear in frames.
     pub fn new(
         rests: Vec<RestPath>,
+        held: Vec<Prepared>,
+        settings: SpatialSettings,
+        backend: Backend,
+    ) -> Self {
+        Self::of_samples((rests, Vec::new()), held, settings, backend)
+    }
+
+    /// The same of paths of which only some frames are given, as the samplings say; by [`Backend::Direct`].
+    pub fn of_samples(
+        (rests, samplings): (Vec<RestPath>, Vec<Sampling>),
         mut held: Vec<Prepared>,
         settings: SpatialSettings,
         backend: Backend,
@@ -105,7 +120,7 @@ impl SpatialComponent {
         if settings.facing == FacingMode::TangentBlend {
             leave_to_the_body(&mut held, &rests);
         }
-        let [shape, scale] = assemble_both(&rests, &held, &settings, backend, &[]);
+        let [shape, scale] = assemble_both((&rests, &samplings), &held, (&settings, backend), &[]);
         Self {
             shaped: rests.iter().map(|rest| rest.positions.clone()).collect(),
             edited: rests.iter().map(|rest| rest.positions.clone()).collect(),
@@ -118,12 +133,14 @@ impl SpatialComponent {
             released: Vec::new(),
             chords: rests.iter().map(chords).collect(),
             rests,
+            samplings,
             held,
             settings,
             backend,
             shape,
             scale,
             others: Vec::new(),
+            lengths_only: false,
         }
     }
 
@@ -131,10 +148,15 @@ impl SpatialComponent {
     pub fn reassemble(&mut self) {
         self.others.clear();
         let [mut shape, mut scale] =
-            assemble_both(&self.rests, &self.held, &self.settings, self.backend, &self.released);
+            self.assembled(&self.released);
         shape.adopt(&self.shape);
         scale.adopt(&self.scale);
         (self.shape, self.scale) = (shape, scale);
+    }
+
+    fn assembled(&self, released: &[(usize, usize)]) -> [PhaseSolver; 2] {
+        let paths = (self.rests.as_slice(), self.samplings.as_slice());
+        assemble_both(paths, &self.held, (&self.settings, self.backend), released)
     }
 
     /// Goes over to the systems with the stretches `released`, which are kept once they are assembled.
@@ -145,7 +167,7 @@ impl SpatialComponent {
         let known = self.others.iter().position(|(others, _)| *others == released);
         let [shape, scale] = match known {
             Some(place) => self.others.swap_remove(place).1,
-            None => assemble_both(&self.rests, &self.held, &self.settings, self.backend, &released),
+            None => self.assembled(&released),
         };
         let before = [std::mem::replace(&mut self.shape, shape), std::mem::replace(&mut self.scale, scale)];
         self.others.push((std::mem::replace(&mut self.released, released), before));
@@ -159,7 +181,8 @@ impl SpatialComponent {
     /// # Errors
     /// What the solver says of a matrix it cannot factor.
     pub fn factor(&mut self) -> Result<(), SpatialError> {
-        let freedom = |phase| freedom(&self.rests, phase, &self.settings, &self.released);
+        let freedom =
+            |phase| freedom((&self.rests, &self.samplings), phase, &self.settings, &self.released);
         let shape = self.shape.factor(freedom(Phase::Shape), &self.settings);
         shape.map_err(|error| SpatialError::Solver(Phase::Shape, error))?;
         let scale = self.scale.factor(freedom(Phase::Scale), &self.settings);
@@ -280,7 +303,8 @@ impl SpatialComponent {
         if let Some((rows, miss)) = self.shape.contradiction() {
             return self.clash(&rows, miss).map(Some);
         }
-        let freedom = freedom(&self.rests, Phase::Shape, &self.settings, &self.released);
+        let paths = (self.rests.as_slice(), self.samplings.as_slice());
+        let freedom = freedom(paths, Phase::Shape, &self.settings, &self.released);
         let solved = self.shape.solve(freedom, &self.settings);
         solved.map_err(|error| SpatialError::Solver(Phase::Shape, error))?;
         let (shape, segments, chords, released) = (&self.shape, &self.segments, &self.chords, &self.released);
@@ -305,15 +329,21 @@ impl SpatialComponent {
         if let Some((rows, miss)) = self.scale.contradiction() {
             return self.clash(&rows, miss).map(Some);
         }
-        let freedom = freedom(&self.rests, Phase::Scale, &self.settings, &self.released);
+        let paths = (self.rests.as_slice(), self.samplings.as_slice());
+        let freedom = freedom(paths, Phase::Scale, &self.settings, &self.released);
         let solved = self.scale.solve(freedom, &self.settings);
         solved.map_err(|error| SpatialError::Solver(Phase::Scale, error))?;
-        hold_facings(held, rotations, &mut self.bodies);
-        let (scale, rests) = (&self.scale, &self.rests);
+        if !self.lengths_only {
+            hold_facings(held, rotations, &mut self.bodies);
+        }
+        let (scale, rests, lengths_only) = (&self.scale, &self.rests, self.lengths_only);
         let stretch = |path: usize, edited: &mut Vec<c64>, body: &mut Body| {
             let (turned, translation) = (&turned[path], translations[path]);
             scale.points(path, |frame| turned.points[frame] + translation, edited);
-            body.follow(&rests[path], edited, &turned.factors);
+            match lengths_only {
+                true => body.length = length(edited),
+                false => body.follow(&rests[path], edited, &turned.factors),
+            }
         };
         for_each_path(rests, &mut self.edited, &mut self.bodies, stretch);
         (self.energy.scale, self.energy.scale_soft) = self.scale.energies();
@@ -341,36 +371,6 @@ impl SpatialComponent {
         Err(SpatialError::Conflict { constraints, miss: clash::miss_of(&clashing, miss) })
     }
 
-    /// How the shape of path `path` answers to changes of itself; `None` where that cannot be said beforehand: stretches had
-    /// to be released, motions are free, or all frames had to be solved.
-    pub fn response(&self, path: usize) -> Option<PathResponse> {
-        self.released.is_empty().then(|| self.shape.response(path)).flatten()
-    }
-
-    /// Shape energy with that of soft constraints if path `path` were that of `rests`, with the rows `held` on them; `None`
-    /// where more would change than that. `response`: of this path and the present factorisation.
-    pub fn shape_energy_if(
-        &self,
-        response: &PathResponse,
-        path: usize,
-        rests: &[&RestPath],
-        mut held: Vec<Prepared>,
-    ) -> Option<f64> {
-        if self.settings.facing == FacingMode::TangentBlend {
-            leave_to_the_body(&mut held, rests);
-        }
-        let alike = |(a, b): (&Prepared, &Prepared)| {
-            let same = (a.row.constraint, a.body_only, a.partner_row)
-                == (b.row.constraint, b.body_only, b.partner_row);
-            same && a.ignores_rotations() && b.ignores_rotations()
-        };
-        if held.len() != self.held.len() || !held.iter().zip(&self.held).all(alike) {
-            return None;
-        }
-        let changed = ChangedPath { path, rests, held: &held, translations: &self.translations };
-        shape_energy_if(&self.shape, response, &changed, &self.settings)
-    }
-
     /// Constraints with hard rows that others imply, in either phase.
     pub fn redundant(&self) -> Vec<ConstraintId> {
         let rows = self.shape.redundant().chain(self.scale.redundant());
@@ -384,7 +384,7 @@ impl SpatialComponent {
 }
 
 /// Longest chord of every stationary stretch of a path.
-fn chords(rest: &RestPath) -> Vec<Direction> {
+pub(super) fn chords(rest: &RestPath) -> Vec<Direction> {
     rest.rigid.iter().map(|run| run_chord(rest, *run)).collect()
 }
 
@@ -399,21 +399,20 @@ fn unique(mut constraints: Vec<ConstraintId>) -> Vec<ConstraintId> {
 }
 
 fn assemble_both(
-    paths: &[RestPath],
+    paths: (&[RestPath], &[Sampling]),
     held: &[Prepared],
-    settings: &SpatialSettings,
-    backend: Backend,
+    (settings, backend): (&SpatialSettings, Backend),
     released: &[(usize, usize)],
 ) -> [PhaseSolver; 2] {
     [Phase::Shape, Phase::Scale]
         .map(|phase| PhaseSolver::new(freedom(paths, phase, settings, released), held, settings, backend))
 }
 
-fn freedom<'a>(
-    paths: &'a [RestPath],
+pub(super) fn freedom<'a>(
+    (paths, samplings): (&'a [RestPath], &'a [Sampling]),
     phase: Phase,
     settings: &SpatialSettings,
     released: &'a [(usize, usize)],
 ) -> Freedom<'a> {
-    Freedom { paths, phase, runs: settings.runs, released }
+    Freedom { paths, phase, runs: settings.runs, released, samplings }
 }
