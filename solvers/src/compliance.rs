@@ -307,14 +307,11 @@ impl ComplianceFactor {
         }
     }
 
-    /// Column `index` of the inverse of the scaled matrix, refined.
-    pub(crate) fn inverse_column(&self, index: usize) -> Vec<c64> {
-        let pattern = &self.plan.assembly.pattern;
-        let mut unit = vec![c64::default(); pattern.size];
-        unit[index] = c64::new(1.0, 0.0);
-        let mut column = unit.clone();
-        let mut scratch = self.lu.scratch(pattern.size);
-        self.lu.solve(pattern, (&unit, &mut column), 0..pattern.size, &mut scratch);
+    /// Column `index` of the inverse of the scaled matrix, not refined.
+    pub(crate) fn inverse_column(&self, index: usize, scratch: &mut LuScratch) -> Vec<c64> {
+        let mut column = vec![c64::default(); self.plan.assembly.pattern.size];
+        column[index] = c64::new(1.0, 0.0);
+        self.lu.substitute(&mut column, scratch);
         column
     }
 }

@@ -77,9 +77,10 @@ impl PathResponse {
         let spare = (similarities + 2).saturating_sub(border.len());
         let size = border.len() + spare;
         let mut inverse = DMatrix::identity(size, size);
+        let mut scratch = factor.scratch();
         let mut columns = DMatrix::zeros(problem.layout.size, border.len());
         for (column, index) in border.iter().enumerate() {
-            let values = factor.inverse_column(*index);
+            let values = factor.inverse_column(*index, &mut scratch);
             border.iter().enumerate().for_each(|(row, other)| inverse[(row, column)] = values[*other]);
             columns.column_mut(column).copy_from_slice(&values);
         }

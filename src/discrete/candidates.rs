@@ -216,8 +216,9 @@ impl<'a> Frames<'a> {
 
 /// Whether every run of the track after `splice` is long enough to blend, but for those that were shorter before.
 fn leaves_room(track: &Track, splice: &Splice, shortest: usize) -> bool {
-    let short = |track: &Track| track.runs.iter().filter(|run| run.frame_count() < shortest).count();
-    short(&track.spliced(splice)) <= short(track)
+    let before = track.runs.iter().filter(|run| run.frame_count() < shortest).count();
+    let after = track.shown_after(splice).iter().filter(|stretch| stretch.frame_count() < shortest).count();
+    after <= before
 }
 
 /// Of candidates that give the same sequence of frames with the same moments, the one with the nearest frames.
@@ -240,9 +241,8 @@ fn one_per_sequence(seen: &Seen<'_>, found: Vec<Candidate>) -> Vec<Candidate> {
 
 /// Clip, first and last frame of each stretch that the track shows after `splice`.
 fn sequence(seen: &Seen<'_>, splice: &Splice) -> Vec<u64> {
-    let track = seen.track.spliced(splice);
     let mut stretches: Vec<[u64; 3]> = Vec::new();
-    for run in &track.runs {
+    for run in seen.track.shown_after(splice) {
         let own = [seen.clips[run.entry] as u64, u64::from(run.first.0), u64::from(run.last.0)];
         match stretches.last_mut() {
             Some(before) if before[0] == own[0] && before[2] + 1 == own[1] => before[2] = own[2],

@@ -28,7 +28,7 @@ pub struct Weighed {
 pub struct Scales<B, E, W> {
     /// At least this.
     pub bound: B,
-    /// Ê to rounding; `None` where it cannot be said beforehand.
+    /// Ê to rounding, given a bound and how much is of interest; `None` where it cannot be said beforehand.
     pub estimate: E,
     /// Ê; `None` where it cannot be solved.
     pub weigh: W,
@@ -79,7 +79,7 @@ pub fn choose(
     before: f64,
     scales: &Scales<
         impl Fn(usize) -> f64 + Sync,
-        impl Fn(usize) -> Option<f64> + Sync,
+        impl Fn(usize, (f64, f64)) -> Option<f64> + Sync,
         impl Fn(usize) -> Option<f64> + Sync,
     >,
     settings: &DiscreteSettings,
@@ -89,22 +89,19 @@ pub fn choose(
     let sharper = |place: &usize| ((scales.bound)(*place).max(offers[*place].bound), *place);
     let mut order: Vec<(f64, usize)> = hopeful.par_iter().map(sharper).collect();
     order.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
-    let estimate = |place: &usize| match (scales.estimate)(*place) {
-        Some(energy) => Some(Known::estimated(*place, energy)),
+    let estimate = |(bound, place): &(f64, usize), most: f64| match (scales.estimate)(*place, (*bound, most)) {
+        Some(energy) => energy.is_finite().then(|| Known::estimated(*place, energy)),
         None => (scales.weigh)(*place).map(|energy| Known::weighed(*place, energy)),
     };
     let mut known: Vec<Known> = Vec::new();
     for batch in order.chunks(BATCH) {
-        let most = least_high(&known, worth) + settings.near_tie;
-        let open: Vec<usize> = batch
-            .iter()
-            .filter(|(bound, _)| *bound <= most && *bound < worth)
-            .map(|(_, place)| *place)
-            .collect();
+        let most = worth.min(least_high(&known, worth) + settings.near_tie);
+        let open: Vec<(f64, usize)> = batch.iter().filter(|(bound, _)| *bound <= most).copied().collect();
         if open.is_empty() {
             break;
         }
-        let found: Vec<Option<Known>> = open.par_iter().map(estimate).collect();
+        let most = most + ESTIMATE * (1.0 + most);
+        let found: Vec<Option<Known>> = open.par_iter().map(|own| estimate(own, most)).collect();
         known.extend(found.into_iter().flatten().filter(|own| own.low < worth));
     }
     decide(offers, known, (worth, settings.near_tie), &scales.weigh)

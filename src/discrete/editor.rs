@@ -208,7 +208,9 @@ impl DiscreteEditor {
         let chosen = match self.settings.evaluator {
             Evaluator::Exact => {
                 let bound = |place: usize| weighing.bound(all[place]);
-                let estimate = |place: usize| weighing.estimate(all[place]);
+                let estimate = |place: usize, (bound, most): (f64, f64)| {
+                    weighing.estimate(all[place], bound, most)
+                };
                 choose(&offers, before, &Scales { bound, estimate, weigh }, &self.settings)
             }
             Evaluator::BruteForce => {
@@ -335,6 +337,12 @@ impl DiscreteEditor {
         Some(energy.with_turns(self.settings.turn_weight * turned).total)
     }
 
+    /// How many candidates there are. Cost: that of finding those of tracks that have changed.
+    pub fn candidates(&mut self) -> usize {
+        self.propose();
+        self.known().len()
+    }
+
     /// All candidates for the targets of the last solve, each with its lower bound and its Ê, in the order of their
     /// characters. Cost: that of weighing all.
     pub fn appraise(&mut self) -> Vec<Appraisal> {
@@ -343,7 +351,7 @@ impl DiscreteEditor {
         let appraisal = |proposal: &&Proposal| Appraisal {
             candidate: proposal.candidate.clone(),
             bound: weighing.bound(proposal),
-            estimate: weighing.estimate(proposal),
+            estimate: weighing.estimate(proposal, 0.0, f64::INFINITY),
             energy: weighing.energy(proposal),
         };
         all.par_iter().map(appraisal).collect()

@@ -5,7 +5,7 @@ use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
 use crate::discrete::candidates::Candidate;
 use crate::discrete::remap::spliced;
-use crate::edit::{Editor, GroupResponse, Timing, Variant};
+use crate::edit::{Editor, GroupResponse, Timing, Variant, WhatIf};
 
 /// A candidate with what stays known of it until its track, or what it is tied to, changes.
 #[derive(Debug)]
@@ -68,14 +68,18 @@ impl<'a> Weighing<'a> {
         self.editor.energy_bound(variant, timing) + self.turns(proposal)
     }
 
-    /// Ê to rounding; `None` where only solving anew tells.
-    pub fn estimate(&self, proposal: &Proposal) -> Option<f64> {
+    /// Ê to rounding; `None` where only solving anew tells. `bound`: what it is at least. What comes to more than `most` may be
+    /// infinite.
+    pub fn estimate(&self, proposal: &Proposal, bound: f64, most: f64) -> Option<f64> {
         let variant = self.variant(proposal)?;
         let timing = self.timing(variant);
+        let timing = timing.get()?.as_ref()?;
         let who = proposal.candidate.character;
         let response = self.responses[who.as_usize()].get_or_init(|| self.editor.response(who)).as_ref()?;
-        let energy = self.editor.energy_if(variant, timing.get()?.as_ref()?, response)?;
-        Some(energy.with_turns(self.turns(proposal)).total)
+        match self.editor.energy_if((variant, timing), response, most - bound)? {
+            WhatIf::Energy(energy) => Some(energy.with_turns(self.turns(proposal)).total),
+            WhatIf::TooMuch => Some(f64::INFINITY),
+        }
     }
 
     /// Ê by the published estimate; `marked`: frames of each present track that any change joins. Where objects move, Ê.

@@ -17,6 +17,8 @@ pub struct ReducedPhase {
     factor: Option<(ComplianceFactor, Bent)>,
     /// Of held rows, then of rigid stretches, which are 0.
     targets: Vec<c64>,
+    /// Ten digits are enough.
+    rough: bool,
 }
 
 impl ReducedPhase {
@@ -31,7 +33,7 @@ impl ReducedPhase {
         let mut all = rows.to_vec();
         all.extend(run_rows(freedom));
         let targets = vec![c64::default(); all.len()];
-        Some(Self { problem: Compliance::new(paths, all), analysis: None, factor: None, targets })
+        Some(Self { problem: Compliance::new(paths, all), analysis: None, factor: None, targets, rough: false })
     }
 
     /// Factors the system unless that is done.
@@ -68,7 +70,11 @@ impl ReducedPhase {
     pub fn solve(&mut self, targets: &[c64]) -> bool {
         self.targets[..targets.len()].copy_from_slice(targets);
         let Some((factor, bent)) = &mut self.factor else { return false };
-        bent.solve(&self.problem, factor, &self.targets).is_ok() && bent.settled()
+        let solved = match self.rough {
+            true => bent.estimate(&self.problem, factor, &self.targets),
+            false => bent.solve(&self.problem, factor, &self.targets),
+        };
+        solved.is_ok() && bent.settled()
     }
 
     /// Calls `visit` with every frame of a path and its deviation.
@@ -107,7 +113,7 @@ impl ReducedPhase {
         let problem = self.problem.with_path(path, spring_path(freedom, path, settings)?, all)?;
         let factor = response.factor((&self.problem, factor), &problem).ok()?;
         let bent = Bent::new(&problem, &factor);
-        Some(Self { problem, analysis: None, factor: Some((factor, bent)), targets })
+        Some(Self { problem, analysis: None, factor: Some((factor, bent)), targets, rough: true })
     }
 
     /// Free motions fixed as at rest.

@@ -96,6 +96,7 @@ const MOST_KEPT: usize = 4;
 /// What came of one attempt.
 enum Attempt {
     Done,
+    TooMuch,
     Release(Runs),
 }
 
@@ -196,10 +197,19 @@ impl SpatialComponent {
     /// [`SpatialError::Conflict`] where hard rows contradict each other; a stationary stretch that is the cause is
     /// released first.
     pub fn solve(&mut self) -> Result<(), SpatialError> {
+        self.solve_below(f64::INFINITY).map(|_| ())
+    }
+
+    /// The same, given up where the shape alone takes more energy than `most`, m²; whether it was done.
+    ///
+    /// # Errors
+    /// As [`SpatialComponent::solve`].
+    pub fn solve_below(&mut self, most: f64) -> Result<bool, SpatialError> {
         self.release(Vec::new());
         loop {
-            match self.attempt()? {
-                Attempt::Done => return Ok(()),
+            match self.attempt(most)? {
+                Attempt::Done => return Ok(true),
+                Attempt::TooMuch => return Ok(false),
                 Attempt::Release(mut runs) => {
                     runs.extend(&self.released);
                     runs.sort_unstable();
@@ -209,7 +219,7 @@ impl SpatialComponent {
         }
     }
 
-    fn attempt(&mut self) -> Result<Attempt, SpatialError> {
+    fn attempt(&mut self, most: f64) -> Result<Attempt, SpatialError> {
         self.rest_rotations();
         if let Some(release) = self.solve_shape()? {
             return Ok(release);
@@ -221,6 +231,9 @@ impl SpatialComponent {
             self.update_rotations();
         }
         self.check_bodies()?;
+        if self.energy.shape + self.energy.shape_soft > most {
+            return Ok(Attempt::TooMuch);
+        }
         self.solve_scale().map(|release| release.unwrap_or(Attempt::Done))
     }
 

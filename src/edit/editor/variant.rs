@@ -51,6 +51,15 @@ pub struct Timing {
     seconds: Vec<f64>,
 }
 
+/// What came of a what-if.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum WhatIf {
+    /// Ê.
+    Energy(Energy),
+    /// More than was asked about.
+    TooMuch,
+}
+
 /// What a variant makes of the paths that are tied to it.
 pub(super) struct Space {
     pub(super) group: usize,
@@ -151,15 +160,24 @@ impl Editor {
     }
 
     /// The same to rounding with the factorisations of the present tracks; `None` where these do not tell. `response`: of the
-    /// character, since systems were last factored. Cost: linear in the frames of the group.
-    pub fn energy_if(&self, variant: &Variant, timing: &Timing, response: &GroupResponse) -> Option<Energy> {
+    /// character, since systems were last factored. It is given up where the shape alone takes more than `most`, in Ê. Cost:
+    /// linear in the frames of the group.
+    pub fn energy_if(
+        &self,
+        (variant, timing): (&Variant, &Timing),
+        response: &GroupResponse,
+        most: f64,
+    ) -> Option<WhatIf> {
         let (index, _) = place_of(&self.spatial, variant.character)?;
         let group = &self.spatial[index];
         let held = self.held_with(variant, group);
         let mut component = exchanged(&group.component, response, variant.rest.clone(), held)?;
-        component.solve().ok()?;
+        let done = component.solve_below(most * WORKING_STEP.powi(3)).ok()?;
+        if !done {
+            return Some(WhatIf::TooMuch);
+        }
         let lengths = component.bodies.iter().map(|body| body.length).collect();
-        Some(self.energy_with(variant, timing, &space_of(index, &component, lengths)))
+        Some(WhatIf::Energy(self.energy_with(variant, timing, &space_of(index, &component, lengths))))
     }
 
     /// A lower bound of [`Editor::energy_of`]: exact times; paths that go straight from one place to the next. Cost: by the
