@@ -55,6 +55,10 @@ fn run(case: &Case, evaluator: Evaluator, backend: Backend) -> Run {
         }
         editor.update(Occasion::Drag { drag: 0, step }).expect("there is a solution");
     }
+    if std::env::args().any(|word| word == "count") {
+        let all = editor.appraise();
+        println!("{} of {} without estimate; {:?}", all.iter().filter(|a| a.estimate.is_none()).count(), all.len(), editor.energy());
+    }
     let updates = UPDATES as f64;
     Run {
         wall: start.elapsed().as_secs_f64() * 1e3 / updates,

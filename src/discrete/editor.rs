@@ -140,7 +140,7 @@ impl DiscreteEditor {
     pub fn move_target(&mut self, constraint: ConstraintId, target: Target) -> Result<(), EditError> {
         if !matches!(target, Target::Position(_) | Target::Seconds(_)) {
             // An offset between characters is a coefficient of its row.
-            self.responses.iter_mut().for_each(|known| *known = OnceLock::new());
+            self.forget_systems();
         }
         self.editor.move_target(constraint, target)
     }
@@ -197,7 +197,8 @@ impl DiscreteEditor {
     fn weighing(&self) -> Weighing<'_> {
         let tracks = self.editor.scene().characters.iter().map(|character| &character.track);
         let turned = tracks.zip(&self.rest_angles).map(|(track, angles)| turns(track, angles)).collect();
-        Weighing::new((&self.editor, &self.responses), turned, self.settings.turn_weight)
+        let candidates = self.known().len();
+        Weighing::new((&self.editor, &self.responses), turned, self.settings.turn_weight, candidates)
     }
 
     /// The candidate to take, if one is worth it.
@@ -370,7 +371,7 @@ impl DiscreteEditor {
                 let after = track.spliced(&candidate.splice);
                 let (turned, copies) =
                     (turns(&after, &self.rest_angles[who]), copies(&after, &self.clips[who]));
-                Proposal { candidate, turned, copies, variant: OnceLock::new() }
+                Proposal::new(candidate, turned, copies)
             };
             found.into_iter().map(proposal).collect()
         };
@@ -380,9 +381,17 @@ impl DiscreteEditor {
         }
     }
 
+    /// Forgets what holds for the systems as they were factored only.
+    fn forget_systems(&mut self) {
+        self.responses.iter_mut().for_each(|known| *known = OnceLock::new());
+        for proposal in self.proposals.iter_mut().flatten().flatten() {
+            proposal.exchange = OnceLock::new();
+        }
+    }
+
     /// Forgets what was found for the track of `character`, and what its partners' candidates read of it.
     fn forget(&mut self, character: CharacterId) {
-        self.responses.iter_mut().for_each(|known| *known = OnceLock::new());
+        self.forget_systems();
         self.proposals[character.as_usize()] = None;
         let names = |kind: &ConstraintKind| kind.moments().iter().any(|moment| moment.character == character);
         let tied = self.editor.scene().constraints.iter().filter(|constraint| names(&constraint.kind));

@@ -5,10 +5,9 @@ use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
 use crate::discrete::candidates::Candidate;
 use crate::discrete::remap::spliced;
-use crate::edit::{Editor, GroupResponse, Timing, Variant, WhatIf};
+use crate::edit::{Editor, Exchange, GroupResponse, Timing, Variant, WhatIf};
 
 /// A candidate with what stays known of it until its track, or what it is tied to, changes.
-#[derive(Debug)]
 pub struct Proposal {
     /// What would happen.
     pub candidate: Candidate,
@@ -18,6 +17,15 @@ pub struct Proposal {
     pub copies: usize,
     /// The track it leads to, once asked for; `None` where a moment is torn apart.
     pub variant: OnceLock<Option<Variant>>,
+    /// The group with that track, since systems were last factored; `None` where these do not tell.
+    pub exchange: OnceLock<Option<Mutex<Exchange>>>,
+}
+
+impl Proposal {
+    /// Nothing else is known of it yet.
+    pub fn new(candidate: Candidate, turned: f64, copies: usize) -> Self {
+        Self { candidate, turned, copies, variant: OnceLock::new(), exchange: OnceLock::new() }
+    }
 }
 
 /// Solved times by what they depend on; `None` where there are none.
@@ -33,22 +41,31 @@ pub struct Weighing<'a> {
     others: Vec<OnceLock<f64>>,
     responses: &'a [OnceLock<Option<GroupResponse>>],
     timings: Mutex<Timings>,
+    /// Whether there is room to keep exchanged groups from update to update.
+    keeps: bool,
 }
+
+/// Exchanged groups are kept up to about so many frames of all of them, each a few hundred bytes.
+const MOST_FRAMES_KEPT: usize = 500_000;
 
 impl<'a> Weighing<'a> {
     /// Weighs changes of what `editor` has just solved. `responses`: room for that of each character, or what is known of
-    /// them since systems were last factored. `turned`: sum of the turns at seams of each character, radians.
+    /// them since systems were last factored. `turned`: sum of the turns at seams of each character, radians. `candidates`:
+    /// how many there are to weigh.
     pub fn new(
         (editor, responses): (&'a Editor, &'a [OnceLock<Option<GroupResponse>>]),
         turned: Vec<f64>,
         turn_weight: f64,
+        candidates: usize,
     ) -> Self {
+        let frames: usize = editor.edit().characters.iter().map(|own| own.times.len()).sum();
         Self {
             editor,
             turn_weight,
             others: turned.iter().map(|_| OnceLock::new()).collect(),
             responses,
             timings: Mutex::default(),
+            keeps: frames.saturating_mul(candidates) <= MOST_FRAMES_KEPT,
             turned,
         }
     }
@@ -75,8 +92,18 @@ impl<'a> Weighing<'a> {
         let timing = self.timing(variant);
         let timing = timing.get()?.as_ref()?;
         let who = proposal.candidate.character;
-        let response = self.responses[who.as_usize()].get_or_init(|| self.editor.response(who)).as_ref()?;
-        match self.editor.energy_if((variant, timing), response, most - bound)? {
+        let make = || {
+            let response = self.responses[who.as_usize()].get_or_init(|| self.editor.response(who)).as_ref()?;
+            self.editor.exchange(variant, response)
+        };
+        let estimate = |exchange: &mut Exchange| self.editor.energy_if((variant, timing), exchange, most - bound);
+        let told = if self.keeps {
+            let kept = proposal.exchange.get_or_init(|| make().map(Mutex::new)).as_ref()?;
+            estimate(&mut kept.lock().unwrap_or_else(PoisonError::into_inner))?
+        } else {
+            estimate(&mut make()?)?
+        };
+        match told {
             WhatIf::Energy(energy) => Some(energy.with_turns(self.turns(proposal)).total),
             WhatIf::TooMuch => Some(f64::INFINITY),
         }

@@ -26,7 +26,7 @@ use crate::scene::{Mode, Scene};
 
 use crate::clip::working::WORKING_STEP;
 
-pub use variant::{Timing, Variant, WhatIf};
+pub use variant::{Exchange, Timing, Variant, WhatIf};
 
 /// Default bounds on time steps in production mode, as multiples of the rest step.
 const DEFAULT_BOUNDS: StepBounds = StepBounds { min: 0.5, max: 2.0 };

@@ -36,7 +36,7 @@ pub mod mixing;
 pub mod editor;
 
 pub use crate::constraint::Target;
-pub use editor::{Edit, Editor, Timing, Variant, WhatIf};
+pub use editor::{Edit, Editor, Exchange, Timing, Variant, WhatIf};
 pub use error::EditError;
 pub use moved::{EditedCharacter, Moved};
 pub use note::EditNote;

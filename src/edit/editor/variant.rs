@@ -51,6 +51,12 @@ pub struct Timing {
     seconds: Vec<f64>,
 }
 
+/// A group in which somebody performs another track.
+pub struct Exchange {
+    group: usize,
+    component: SpatialComponent,
+}
+
 /// What came of a what-if.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum WhatIf {
@@ -159,25 +165,34 @@ impl Editor {
         Ok(self.energy_with(variant, timing, &space_of(index, &component, lengths)))
     }
 
-    /// The same to rounding with the factorisations of the present tracks; `None` where these do not tell. `response`: of the
-    /// character, since systems were last factored. It is given up where the shape alone takes more than `most`, in Ê. Cost:
-    /// linear in the frames of the group.
-    pub fn energy_if(
-        &self,
-        (variant, timing): (&Variant, &Timing),
-        response: &GroupResponse,
-        most: f64,
-    ) -> Option<WhatIf> {
+    /// The group of `variant` with its path exchanged, factored from the present systems; `None` where these do not tell.
+    /// `response`: of the character, since systems were last factored; the exchange holds as long. Cost: linear in the frames
+    /// of the group, and by the cube of the rows of the path.
+    pub fn exchange(&self, variant: &Variant, response: &GroupResponse) -> Option<Exchange> {
         let (index, _) = place_of(&self.spatial, variant.character)?;
         let group = &self.spatial[index];
         let held = self.held_with(variant, group);
-        let mut component = exchanged(&group.component, response, variant.rest.clone(), held)?;
+        let component = exchanged(&group.component, response, variant.rest.clone(), held)?;
+        Some(Exchange { group: index, component })
+    }
+
+    /// [`Editor::energy_of`] to ten digits, for the present targets; `None` where the exchange does not tell. It is given up
+    /// where the shape alone takes more than `most`, in Ê. Cost: linear in the frames of the group.
+    pub fn energy_if(
+        &self,
+        (variant, timing): (&Variant, &Timing),
+        Exchange { group, component }: &mut Exchange,
+        most: f64,
+    ) -> Option<WhatIf> {
+        component.held.iter_mut().for_each(|prepared| {
+            retarget(&mut prepared.row, &self.scene);
+        });
         let done = component.solve_below(most * WORKING_STEP.powi(3)).ok()?;
         if !done {
             return Some(WhatIf::TooMuch);
         }
         let lengths = component.bodies.iter().map(|body| body.length).collect();
-        Some(WhatIf::Energy(self.energy_with(variant, timing, &space_of(index, &component, lengths))))
+        Some(WhatIf::Energy(self.energy_with(variant, timing, &space_of(*group, component, lengths))))
     }
 
     /// A lower bound of [`Editor::energy_of`]: exact times; paths that go straight from one place to the next. Cost: by the
