@@ -57,7 +57,12 @@ fn run(case: &Case, evaluator: Evaluator, backend: Backend) -> Run {
     }
     if std::env::args().any(|word| word == "count") {
         let all = editor.appraise();
-        println!("{} of {} without estimate; {:?}", all.iter().filter(|a| a.estimate.is_none()).count(), all.len(), editor.energy());
+        println!(
+            "{} of {} without estimate; {:?}",
+            all.iter().filter(|a| a.estimate.is_none()).count(),
+            all.len(),
+            editor.energy()
+        );
     }
     let updates = UPDATES as f64;
     Run {

@@ -163,7 +163,8 @@ fn similar(scene: &Scene, who: usize, changes: usize) -> Vec<(usize, usize)> {
     };
     let mut pairs = Vec::new();
     for count in 1..=all.len() {
-        pairs = (0..count).map(|k| all[(2 * k + 1) * all.len() / (2 * count)]).map(|i| (i, i + CYCLE)).collect();
+        pairs =
+            (0..count).map(|k| all[(2 * k + 1) * all.len() / (2 * count)]).map(|i| (i, i + CYCLE)).collect();
         if found(&pairs) >= changes {
             break;
         }

@@ -8,17 +8,20 @@ use crate::refine::relative_to;
 use crate::scalar::TwoPart;
 use crate::springs::{Load, State};
 
-/// Refinement ends when the next correction is expected to move points by less than the first, relative to the farthest, and
-/// rows are missed by less than the second, relative to the largest target.
-const GOALS: (f64, f64) = (1e-15, 3e-14);
-/// The same for estimates: energies are good to twice as much.
-const ROUGH_GOALS: (f64, f64) = (1e-10, 1e-10);
+/// How good a solution is to be: by how much the next correction is expected to move points, relative to the farthest, and by
+/// how much rows are missed, relative to the largest target.
+type Accuracy = (f64, f64);
+
+/// Refinement ends at the first; it is settled if it comes to rest near the second.
+const FULL: (Accuracy, Accuracy) = ((1e-15, 3e-14), NEAR);
+/// The same for estimates.
+const ROUGH: (Accuracy, Accuracy) = ((1e-10, 1e-10), TRUSTED);
 /// From this step on loads are summed to about 32 digits: forces that nearly cancel leave too few otherwise.
 const FIRST_COMPENSATED_STEP: usize = 2;
-/// … or where it comes to rest near these: scenes that are well posed get to 1e-13, others stay five digits above.
-const NEAR: (f64, f64) = (1e-11, 1e-12);
+/// Solutions come to rest near these: scenes that are well posed get to 1e-13, others stay five digits above.
+const NEAR: Accuracy = (1e-11, 1e-12);
 /// A solution farther off is refused: rows of stiff clusters leave fewer digits.
-const TRUSTED: (f64, f64) = (1e-9, 1e-10);
+const TRUSTED: Accuracy = (1e-9, 1e-10);
 /// Most refinements of one solve.
 const MOST_REFINEMENTS: usize = 6;
 /// Solutions that miss their rows by more, relative to the targets, are refused.
@@ -84,7 +87,7 @@ impl Bent {
         factor: &ComplianceFactor,
         targets: &[c64],
     ) -> Result<SolveReport, KktError> {
-        self.solve_to(GOALS, (problem, factor), targets)
+        self.solve_to(FULL, (problem, factor), targets)
     }
 
     /// The same to about ten digits, for less than half the work.
@@ -97,12 +100,12 @@ impl Bent {
         factor: &ComplianceFactor,
         targets: &[c64],
     ) -> Result<SolveReport, KktError> {
-        self.solve_to(ROUGH_GOALS, (problem, factor), targets)
+        self.solve_to(ROUGH, (problem, factor), targets)
     }
 
     fn solve_to(
         &mut self,
-        goals: (f64, f64),
+        (goals, near): (Accuracy, Accuracy),
         (problem, factor): (&Compliance, &ComplianceFactor),
         targets: &[c64],
     ) -> Result<SolveReport, KktError> {
@@ -127,7 +130,7 @@ impl Bent {
                 break;
             }
         }
-        self.settled = settled || scale == 0.0 || (last <= NEAR.0 && missed <= NEAR.1);
+        self.settled = settled || scale == 0.0 || (last <= near.0 && missed <= near.1);
         let relative_residual = self.check_solution(problem, scale)?;
         if !settled && scale > 0.0 && (last > TRUSTED.0 || missed > TRUSTED.1) {
             return Err(KktError::Residual { relative: last.max(missed), allowed: TRUSTED.0 });

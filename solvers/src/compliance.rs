@@ -30,13 +30,13 @@ use rayon::prelude::*;
 
 use crate::c64;
 use crate::error::KktError;
+use crate::exchange::Exchange;
 use crate::free::{Combination, free_combinations};
 use crate::lu::{LuOrder, LuScratch};
 use crate::path_loads::PathLoads;
 use crate::pieces::{Piece, cut_into_pieces};
 use crate::points::PointRow;
 use crate::refine::RefinedLu;
-use crate::exchange::Exchange;
 use crate::sparse::Assembly;
 use crate::springs::SpringPath;
 

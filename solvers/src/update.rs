@@ -144,7 +144,11 @@ impl PathResponse {
         }
         let difference = difference.view((0, 0), (size, size)).into_owned();
         let inverse = self.inverse.view((0, 0), (size, size));
-        let exchange = Exchange::new(self.border.clone(), Arc::clone(&self.columns), (&inverse.into_owned(), difference));
+        let exchange = Exchange::new(
+            self.border.clone(),
+            Arc::clone(&self.columns),
+            (&inverse.into_owned(), difference),
+        );
         Ok(factor.exchanged(exchange.ok_or(KktError::Singular)?))
     }
 

@@ -52,7 +52,7 @@ pub fn candidates(graph: &MotionGraph, seen: &Seen<'_>, settings: &DiscreteSetti
     let mut found = Vec::new();
     for i in 0..frames.nodes.len() {
         frames.between(graph, i, settings, &mut found);
-        frames.from_elsewhere(graph, i, settings, &mut found);
+        frames.put_in(graph, i, settings, &mut found);
     }
     if settings.allows(ChangeKind::Replace) {
         frames.replacements(graph, settings, &mut found);
@@ -60,7 +60,7 @@ pub fn candidates(graph: &MotionGraph, seen: &Seen<'_>, settings: &DiscreteSetti
     found.retain(|candidate| seen.protected.allow(&candidate.splice, candidate.keep));
     found.retain(|candidate| leaves_room(seen.track, &candidate.splice, settings.shortest_run));
     let mut found = one_per_sequence(seen, found);
-    found.sort_by(|a, b| (a.kind, a.interval, a.keep as u8).cmp(&(b.kind, b.interval, b.keep as u8)));
+    found.sort_by_key(|own| (own.kind, own.interval, own.keep as u8));
     without_enclosing(&mut found);
     best(found, settings.most_candidates)
 }
@@ -125,13 +125,7 @@ impl<'a> Frames<'a> {
     }
 
     /// Insertions after track frame `i` of what lies in some clip between two frames like it.
-    fn from_elsewhere(
-        &self,
-        graph: &MotionGraph,
-        i: usize,
-        settings: &DiscreteSettings,
-        found: &mut Vec<Candidate>,
-    ) {
+    fn put_in(&self, graph: &MotionGraph, i: usize, settings: &DiscreteSettings, found: &mut Vec<Candidate>) {
         if !settings.allows(ChangeKind::Insert) || i + 1 >= self.nodes.len() || !self.seen.open[i] {
             return;
         }

@@ -13,6 +13,8 @@ pub struct Offer {
     pub distance: f64,
     /// Ê is at least this, which costs nothing to know.
     pub bound: f64,
+    /// About what Ê was when it was last estimated: what comes first.
+    pub last: Option<f64>,
 }
 
 /// An offer and its Ê.
@@ -71,9 +73,9 @@ impl Known {
 /// Among those within a near tie of the best, the one that repeats frames least, then the one with less Ê, then with
 /// nearer frames, then the earlier one.
 ///
-/// Offers that could be worth it get a sharper bound first, then they are estimated in rising order of it until the next
-/// bound lies above the best by more than a near tie: what is left cannot win. Those that the choice hangs on are weighed, so
-/// that it is the same as if all were.
+/// Offers that could be worth it get a sharper bound first, then they are estimated, the most promising first; those whose
+/// bound lies above the best by more than a near tie cannot win. Those that the choice hangs on are weighed, so that it is the
+/// same as if all were.
 pub fn choose(
     offers: &[Offer],
     before: f64,
@@ -88,8 +90,11 @@ pub fn choose(
     let hopeful: Vec<usize> = (0..offers.len()).filter(|place| offers[*place].bound < worth).collect();
     let sharper = |place: &usize| ((scales.bound)(*place).max(offers[*place].bound), *place);
     let mut order: Vec<(f64, usize)> = hopeful.par_iter().map(sharper).collect();
-    order.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
-    let estimate = |(bound, place): &(f64, usize), most: f64| match (scales.estimate)(*place, (*bound, most)) {
+    let expected =
+        |(bound, place): &(f64, usize)| offers[*place].last.map_or(*bound, |last| last.max(*bound));
+    order.sort_by(|a, b| expected(a).total_cmp(&expected(b)).then(a.1.cmp(&b.1)));
+    let estimate = |(bound, place): &(f64, usize), most: f64| match (scales.estimate)(*place, (*bound, most))
+    {
         Some(energy) => energy.is_finite().then(|| Known::estimated(*place, energy)),
         None => (scales.weigh)(*place).map(|energy| Known::weighed(*place, energy)),
     };
@@ -97,9 +102,6 @@ pub fn choose(
     for batch in order.chunks(BATCH) {
         let most = worth.min(least_high(&known, worth) + settings.near_tie);
         let open: Vec<(f64, usize)> = batch.iter().filter(|(bound, _)| *bound <= most).copied().collect();
-        if open.is_empty() {
-            break;
-        }
         let most = most + ESTIMATE * (1.0 + most);
         let found: Vec<Option<Known>> = open.par_iter().map(|own| estimate(own, most)).collect();
         known.extend(found.into_iter().flatten().filter(|own| own.low < worth));

@@ -2,6 +2,8 @@
 //!
 //! Source: Kim et al. 2009, §5 and Algorithm 1, with the energy of [`crate::edit::energy`].
 
+mod choice;
+
 use std::sync::{Arc, OnceLock};
 
 use rayon::prelude::*;
@@ -9,12 +11,12 @@ use rayon::prelude::*;
 use crate::clip::working::{WORKING_STEP, WorkingClip};
 use crate::constraint::{ChangeKind, ConstraintKind, Evaluator};
 use crate::discrete::candidates::{Candidate, Seen, candidates};
-use crate::discrete::choose::{Offer, Scales, choose, choose_by_all, worth};
+use crate::discrete::choose::worth;
 use crate::discrete::outcome::{Outcome, TrackChanges};
 use crate::discrete::remap::{Protected, bound, protected, spliced};
 use crate::discrete::settings::DiscreteSettings;
 use crate::discrete::tracks::{copies, open, rest_angles, turns};
-use crate::discrete::weighing::{Proposal, Weighing};
+use crate::discrete::weighing::Proposal;
 use crate::edit::energy::{Energy, length};
 use crate::edit::expand::capture;
 use crate::edit::{Edit, EditError, Editor, GroupResponse, Target};
@@ -187,70 +189,11 @@ impl DiscreteEditor {
             kind: *kind,
             at,
             interval: *interval,
-            frames: changed as i64 - count as i64,
+            frames: difference(changed, count),
             occasion,
             energy: (before, energy),
         });
         true
-    }
-
-    fn weighing(&self) -> Weighing<'_> {
-        let tracks = self.editor.scene().characters.iter().map(|character| &character.track);
-        let turned = tracks.zip(&self.rest_angles).map(|(track, angles)| turns(track, angles)).collect();
-        let candidates = self.known().len();
-        Weighing::new((&self.editor, &self.responses), turned, self.settings.turn_weight, candidates)
-    }
-
-    /// The candidate to take, if one is worth it.
-    fn choose(&self, before: f64) -> Option<Candidate> {
-        let (weighing, all) = (self.weighing(), self.known());
-        let offers = offers(&weighing, &all);
-        let weigh = |place: usize| weighing.energy(all[place]);
-        let chosen = match self.settings.evaluator {
-            Evaluator::Exact => {
-                let bound = |place: usize| weighing.bound(all[place]);
-                let estimate = |place: usize, (bound, most): (f64, f64)| {
-                    weighing.estimate(all[place], bound, most)
-                };
-                choose(&offers, before, &Scales { bound, estimate, weigh }, &self.settings)
-            }
-            Evaluator::BruteForce => {
-                choose_by_all(&offers, before, |place| self.weigh(&all[place].candidate), &self.settings)
-            }
-            Evaluator::Subsampled => {
-                let marked = self.joined(&all);
-                let sampled = |place: usize| weighing.sampled(all[place], &marked);
-                choose_by_all(&offers, before, sampled, &self.settings)
-            }
-        };
-        chosen.map(|chosen| all[chosen.place].candidate.clone())
-    }
-
-    /// The same by weighing all.
-    fn choose_weighed(&self, before: f64) -> Option<Candidate> {
-        let (weighing, all) = (self.weighing(), self.known());
-        let weigh = |place: usize| weighing.energy(all[place]);
-        let chosen = choose_by_all(&offers(&weighing, &all), before, weigh, &self.settings)?;
-        Some(all[chosen.place].candidate.clone())
-    }
-
-    /// Everything that could happen.
-    fn known(&self) -> Vec<&Proposal> {
-        self.proposals.iter().flatten().flatten().collect()
-    }
-
-    /// Frames of each track that some candidate joins to others.
-    fn joined(&self, all: &[&Proposal]) -> Vec<Vec<usize>> {
-        let mut joined = vec![Vec::new(); self.proposals.len()];
-        for Proposal { candidate, .. } in all {
-            let before = candidate.splice.resume - 1;
-            joined[candidate.character.as_usize()].extend([candidate.splice.after, before]);
-        }
-        for own in &mut joined {
-            own.sort_unstable();
-            own.dedup();
-        }
-        joined
     }
 
     /// Updates with unchanged targets until nothing is worth it; how many changes were made. It ends: each lowers Ê.
@@ -404,11 +347,7 @@ impl DiscreteEditor {
     }
 }
 
-fn offers(weighing: &Weighing<'_>, all: &[&Proposal]) -> Vec<Offer> {
-    let offer = |proposal: &&Proposal| Offer {
-        copies: proposal.copies,
-        distance: proposal.candidate.distance,
-        bound: weighing.first_bound(proposal),
-    };
-    all.iter().map(offer).collect()
+fn difference(more: usize, less: usize) -> i64 {
+    let size = i64::try_from(more.abs_diff(less)).unwrap_or(i64::MAX);
+    if more < less { -size } else { size }
 }

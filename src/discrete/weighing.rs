@@ -19,12 +19,26 @@ pub struct Proposal {
     pub variant: OnceLock<Option<Variant>>,
     /// The group with that track, since systems were last factored; `None` where these do not tell.
     pub exchange: OnceLock<Option<Mutex<Exchange>>>,
+    /// Ê when it was last estimated.
+    last: Mutex<Option<f64>>,
 }
 
 impl Proposal {
     /// Nothing else is known of it yet.
     pub fn new(candidate: Candidate, turned: f64, copies: usize) -> Self {
-        Self { candidate, turned, copies, variant: OnceLock::new(), exchange: OnceLock::new() }
+        Self {
+            candidate,
+            turned,
+            copies,
+            variant: OnceLock::new(),
+            exchange: OnceLock::new(),
+            last: Mutex::default(),
+        }
+    }
+
+    /// Ê when it was last estimated, in an earlier update.
+    pub fn last(&self) -> Option<f64> {
+        *self.last.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }
 
@@ -93,10 +107,12 @@ impl<'a> Weighing<'a> {
         let timing = timing.get()?.as_ref()?;
         let who = proposal.candidate.character;
         let make = || {
-            let response = self.responses[who.as_usize()].get_or_init(|| self.editor.response(who)).as_ref()?;
+            let response =
+                self.responses[who.as_usize()].get_or_init(|| self.editor.response(who)).as_ref()?;
             self.editor.exchange(variant, response)
         };
-        let estimate = |exchange: &mut Exchange| self.editor.energy_if((variant, timing), exchange, most - bound);
+        let estimate =
+            |exchange: &mut Exchange| self.editor.energy_if((variant, timing), exchange, most - bound);
         let told = if self.keeps {
             let kept = proposal.exchange.get_or_init(|| make().map(Mutex::new)).as_ref()?;
             estimate(&mut kept.lock().unwrap_or_else(PoisonError::into_inner))?
@@ -104,7 +120,11 @@ impl<'a> Weighing<'a> {
             estimate(&mut make()?)?
         };
         match told {
-            WhatIf::Energy(energy) => Some(energy.with_turns(self.turns(proposal)).total),
+            WhatIf::Energy(energy) => {
+                let total = energy.with_turns(self.turns(proposal)).total;
+                *proposal.last.lock().unwrap_or_else(PoisonError::into_inner) = Some(total);
+                Some(total)
+            }
             WhatIf::TooMuch => Some(f64::INFINITY),
         }
     }

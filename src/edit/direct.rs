@@ -141,9 +141,8 @@ fn push_interior_rows(
                 shape_spring(rest, frame, settings).map(|spring| shape_row(rest, (frame, spring), known))
             }
             Phase::Scale => {
-                let still = |step: usize| {
-                    freedom.kept_runs(path).any(|(first, last)| first <= step && step < last)
-                };
+                let still =
+                    |step: usize| freedom.kept_runs(path).any(|(first, last)| first <= step && step < last);
                 let span = |step: usize| sampling.filter(|_| !still(step)).map_or(1.0, |own| own.span(step));
                 Some(scale_row(frame, (span(frame - 1), span(frame))))
             }

@@ -17,10 +17,13 @@ use crate::path::RestPath;
 /// Dependent hard rows agree if they miss by no more than this, relative to the larger of 1 m and their targets.
 const AGREEMENT: f64 = 1e-9;
 
+/// A held row that binds in a phase, by position in the list of held rows, and its left side.
+type BoundRow = (usize, PointRow<c64>);
+
 /// One phase with the storage of its solves.
 pub struct PhaseSolver {
     /// Held rows that bind in this phase: by position in the list of held rows, left side.
-    rows: Vec<(usize, PointRow<c64>)>,
+    rows: Vec<BoundRow>,
     /// Positions in `rows` of the hard ones.
     hard: Vec<usize>,
     /// Combinations of hard rows, by position in `hard`, that vanish.
@@ -163,10 +166,9 @@ impl PhaseSolver {
         }
     }
 
-    /// How path `path` answers to changes of itself; `None` where the present solution is not of the reduced system, or
-    /// motions are free.
+    /// How path `path` answers to changes of itself; `None` where there is no reduced system, or motions are free.
     pub fn response(&self, path: usize) -> Option<PathResponse> {
-        self.reduced.as_ref().filter(|_| self.answer == Backend::Reduced)?.response(path)
+        self.reduced.as_ref()?.response(path)
     }
 
     /// The same with another path `path`, that of `freedom`, and the rows `held` on it, factored by an update; `None` where
@@ -180,9 +182,7 @@ impl PhaseSolver {
     ) -> Option<Self> {
         let reduced = self.reduced.as_ref().filter(|_| self.dependent.is_empty())?;
         let rows = bound_rows(freedom, held, settings);
-        let stays = |(new, old): (&(usize, PointRow<c64>), &(usize, PointRow<c64>))| {
-            new.0 == old.0 && differ_on(path, &new.1, &old.1)
-        };
+        let stays = |(new, old): (&BoundRow, &BoundRow)| new.0 == old.0 && differ_on(path, &new.1, &old.1);
         if rows.len() != self.rows.len() || !rows.iter().zip(&self.rows).all(stays) {
             return None;
         }
@@ -221,18 +221,15 @@ fn differ_on(path: usize, new: &PointRow<c64>, old: &PointRow<c64>) -> bool {
         (Some(_), Some(_)) if touches(new) && touches(old) => true,
         (new, old) => new == old,
     };
-    let elsewhere = |row: &PointRow<c64>| row.terms.iter().filter(|term| !own(term)).copied().collect::<Vec<_>>();
+    let elsewhere =
+        |row: &PointRow<c64>| row.terms.iter().filter(|term| !own(term)).copied().collect::<Vec<_>>();
     let (new, old) = (elsewhere(new), elsewhere(old));
     let same = |(a, b): (&Term, &Term)| (a.0, a.1) == (b.0, b.1) && (a.2 - b.2).norm() <= SAME * b.2.norm();
     equally_strong && new.len() == old.len() && new.iter().zip(&old).all(same)
 }
 
 /// Held rows that bind in this phase.
-fn bound_rows(
-    freedom: Freedom,
-    held: &[Prepared],
-    settings: &SpatialSettings,
-) -> Vec<(usize, PointRow<c64>)> {
+fn bound_rows(freedom: Freedom, held: &[Prepared], settings: &SpatialSettings) -> Vec<BoundRow> {
     let counts: Vec<usize> = freedom.paths.iter().map(RestPath::len).collect();
     let rigid = settings.runs == RunMode::Rigid;
     let bound = held.iter().enumerate().filter(|(_, prepared)| prepared.binds(freedom.phase, rigid));

@@ -33,7 +33,13 @@ impl ReducedPhase {
         let mut all = rows.to_vec();
         all.extend(run_rows(freedom));
         let targets = vec![c64::default(); all.len()];
-        Some(Self { problem: Compliance::new(paths, all), analysis: None, factor: None, targets, rough: false })
+        Some(Self {
+            problem: Compliance::new(paths, all),
+            analysis: None,
+            factor: None,
+            targets,
+            rough: false,
+        })
     }
 
     /// Factors the system unless that is done.

@@ -46,7 +46,8 @@ impl Sampling {
             frames.extend([first.saturating_sub(1), *first, (first + end) / 2, *end, end + 1]);
             frames.push(floor_index(chord.to));
         }
-        frames.extend(marked.iter().flat_map(|frame| [frame.saturating_sub(1), *frame, frame + 1, frame + 2]));
+        frames
+            .extend(marked.iter().flat_map(|frame| [frame.saturating_sub(1), *frame, frame + 1, frame + 2]));
         frames.iter_mut().for_each(|frame| *frame = (*frame).min(last));
         frames.sort_unstable();
         frames.dedup();
@@ -99,7 +100,9 @@ pub fn sampled(mut prepared: Prepared, samplings: &[Sampling]) -> Prepared {
     prepared.to = hold.to().and_then(|to| direction(prepared.to, to.path));
     match &mut prepared.row.hold {
         Hold::Position { at, .. } | Hold::Facing { at, .. } => place(at),
-        Hold::Offset { at, to, .. } | Hold::RelativeFacing { at, to, .. } => [at, to].into_iter().for_each(place),
+        Hold::Offset { at, to, .. } | Hold::RelativeFacing { at, to, .. } => {
+            [at, to].into_iter().for_each(place)
+        }
         Hold::Beside { at, to, from, .. } => [at, to, from].into_iter().for_each(place),
     }
     prepared
@@ -136,10 +139,10 @@ fn shared(springs: &[f64], frames: &[usize]) -> Vec<f64> {
     let mut sums = vec![0.0; frames.len()];
     for (index, pair) in frames.windows(2).enumerate() {
         let span = (pair[1] - pair[0]) as f64;
-        for frame in pair[0]..pair[1] {
-            let share = (frame - pair[0]) as f64 / span;
-            sums[index] += (1.0 - share) * springs[frame];
-            sums[index + 1] += share * springs[frame];
+        for (frame, spring) in springs[pair[0]..pair[1]].iter().enumerate() {
+            let share = frame as f64 / span;
+            sums[index] += (1.0 - share) * spring;
+            sums[index + 1] += share * spring;
         }
     }
     let last = frames.len() - 1;

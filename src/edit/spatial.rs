@@ -4,21 +4,23 @@
 //! right-hand sides, substitutions and one pass over the frames. Source: Kim et al. 2009, §4.1–4.2, in the forms that
 //! the module docs of `springs`, `hold` and `reference` give.
 
+mod rotations;
+
 use cotillion_solvers::KktError;
 
-use crate::edit::bodies::{first_disagreement, leave_to_the_body, spread_still_rotations};
+use crate::edit::bodies::leave_to_the_body;
 use crate::edit::clash::{self, Miss};
 use crate::edit::columns::Freedom;
 use crate::edit::energy::length;
 use crate::edit::facing::{Body, hold_facings};
-use crate::edit::hold::{Direction, Hold, Phase, Prepared, Rotations, run_chord};
+use crate::edit::hold::{Direction, Phase, Prepared, Rotations, run_chord};
 use crate::edit::parallel::for_each_path;
 use crate::edit::phase::PhaseSolver;
 use crate::edit::reference::reference_translations;
 use crate::edit::sampling::Sampling;
 use crate::edit::settings::{Backend, FacingMode, SpatialSettings};
 use crate::edit::turned::TurnedPath;
-use crate::geometry::{c64, cis};
+use crate::geometry::c64;
 use crate::index::ConstraintId;
 use crate::path::{RestPath, RestSegments};
 
@@ -148,8 +150,7 @@ impl SpatialComponent {
     /// Assembles anew after coefficients of held rows have changed (an offset, not a target); the order of elimination stays.
     pub fn reassemble(&mut self) {
         self.others.clear();
-        let [mut shape, mut scale] =
-            self.assembled(&self.released);
+        let [mut shape, mut scale] = self.assembled(&self.released);
         shape.adopt(&self.shape);
         scale.adopt(&self.scale);
         (self.shape, self.scale) = (shape, scale);
@@ -182,8 +183,7 @@ impl SpatialComponent {
     /// # Errors
     /// What the solver says of a matrix it cannot factor.
     pub fn factor(&mut self) -> Result<(), SpatialError> {
-        let freedom =
-            |phase| freedom((&self.rests, &self.samplings), phase, &self.settings, &self.released);
+        let freedom = |phase| freedom((&self.rests, &self.samplings), phase, &self.settings, &self.released);
         let shape = self.shape.factor(freedom(Phase::Shape), &self.settings);
         shape.map_err(|error| SpatialError::Solver(Phase::Shape, error))?;
         let scale = self.scale.factor(freedom(Phase::Scale), &self.settings);
@@ -235,73 +235,6 @@ impl SpatialComponent {
             return Ok(Attempt::TooMuch);
         }
         self.solve_scale().map(|release| release.unwrap_or(Attempt::Done))
-    }
-
-    /// Rotations before the shape phase, which only bodies without direction use: what a facing of their own says.
-    fn rest_rotations(&mut self) {
-        let mut facings = vec![c64::new(1.0, 0.0); self.rests.len()];
-        for prepared in self.held.iter().rev().filter(|prepared| prepared.at.is_none()) {
-            if let Hold::Facing { at, heading } = prepared.row.hold {
-                facings[at.path] = cis(heading - at.heading);
-            }
-        }
-        for (rotations, prepared) in self.rotations.iter_mut().zip(&self.held) {
-            rotations.at = match prepared.row.hold {
-                Hold::Facing { at, heading } if prepared.body_only => cis(heading - at.heading),
-                hold => facings[hold.at().path],
-            };
-            rotations.to = prepared.row.hold.to().map_or(c64::new(1.0, 0.0), |to| facings[to.path]);
-        }
-        self.update_body_partners();
-    }
-
-    /// Rotations of all places on the shaped paths; whether a body without direction turned on the way.
-    fn update_rotations(&mut self) -> bool {
-        let mut turned = false;
-        for (rotations, prepared) in self.rotations.iter_mut().zip(&self.held) {
-            let hold = prepared.row.hold;
-            if let (Some(direction), Some(to), None) = (prepared.to, hold.to(), prepared.partner_row) {
-                rotations.to = direction.rotation(&self.shaped[to.path]);
-            }
-            match (prepared.at, hold) {
-                (Some(direction), _) if !prepared.body_only => {
-                    rotations.at = direction.rotation(&self.shaped[hold.at().path]);
-                }
-                (_, Hold::RelativeFacing { at, to, angle }) => {
-                    let own = cis(to.heading + angle - at.heading) * rotations.to;
-                    turned |= prepared.at.is_none() && (own - rotations.at).norm() > 1e-12;
-                    rotations.at = own;
-                }
-                (_, Hold::Facing { at, heading }) => rotations.at = cis(heading - at.heading),
-                (_, Hold::Position { .. } | Hold::Offset { .. } | Hold::Beside { .. }) => {}
-            }
-        }
-        let partners = self.update_body_partners();
-        (turned && spread_still_rotations(&self.held, &mut self.rotations, self.rests.len())) || partners
-    }
-
-    /// Hard facings that are left to one body at one moment must agree.
-    fn check_bodies(&self) -> Result<(), SpatialError> {
-        match first_disagreement(&self.held, &self.rotations) {
-            None => Ok(()),
-            Some((rows, radians)) => {
-                let constraints = unique(rows.map(|row| self.held[row].row.constraint).to_vec());
-                Err(SpatialError::Conflict { constraints, miss: Miss::Radians(radians) })
-            }
-        }
-    }
-
-    /// Rotations of partners whose facing at that very moment is left to their bodies; whether one changed.
-    fn update_body_partners(&mut self) -> bool {
-        let mut changed = false;
-        for row in 0..self.held.len() {
-            if let Some(partner) = self.held[row].partner_row {
-                let rotation = self.rotations[partner].at;
-                changed |= (self.rotations[row].to - rotation).norm() > 1e-12;
-                self.rotations[row].to = rotation;
-            }
-        }
-        changed
     }
 
     fn solve_shape(&mut self) -> Result<Option<Attempt>, SpatialError> {

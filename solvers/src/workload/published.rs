@@ -38,7 +38,12 @@ pub struct PublishedScene {
 pub const PUBLISHED_SCENES: [PublishedScene; 5] = [
     PublishedScene {
         name: "high five",
-        characters: &[counts(142, 10, 30, 7), counts(105, 11, 30, 4), counts(253, 10, 30, 16), counts(105, 10, 30, 4)],
+        characters: &[
+            counts(142, 10, 30, 7),
+            counts(105, 11, 30, 4),
+            counts(253, 10, 30, 16),
+            counts(105, 10, 30, 4),
+        ],
         discrete_ms: 45.8,
         laplacian_ms: 58.9,
     },
