@@ -125,9 +125,13 @@ pub fn choose_by_all(
     decide(offers, weighed.collect(), (worth, settings.near_tie), &weigh)
 }
 
+/// A gain in Ê of less, relative to 1 and Ê, is rounding: several times what estimates are off by, as a stand may become longer
+/// at no cost at all, whatever rounding says.
+const NO_GAIN: f64 = 1e-7;
+
 /// What Ê must be below to be worth a change, if it is `before` now.
 pub fn worth(before: f64, settings: &DiscreteSettings) -> f64 {
-    before * (1.0 - settings.least_gain) - settings.least_drop
+    before * (1.0 - settings.least_gain) - settings.least_drop.max(NO_GAIN * (1.0 + before))
 }
 
 /// The best is no worse than this, of those that are worth it for sure.

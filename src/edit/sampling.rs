@@ -152,3 +152,45 @@ fn shared(springs: &[f64], frames: &[usize]) -> Vec<f64> {
     }
     sums
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::c64;
+
+    /// 100 frames of a bend that stands from frame 40 to 60.
+    fn path() -> RestPath {
+        let point = |i: usize| {
+            let t = if i < 40 { i } else { 40.max(i.saturating_sub(20)) } as f64 * 0.04;
+            c64::new(t, 0.1 * t * t + 1e-3 * (i as f64).sin())
+        };
+        RestPath { positions: (0..100).map(point).collect(), headings: vec![0.0; 100], rigid: vec![(40, 60)] }
+    }
+
+    #[test]
+    fn kept_frames_share_all_compliance_and_length() {
+        let rest = path();
+        let springs: Vec<f64> = (0..100)
+            .map(|i| if (1..40).contains(&i) || (60..99).contains(&i) { 1.0 + i as f64 } else { 0.0 })
+            .collect();
+        let sampling = Sampling::new(&rest, (0, &[]), &[70], &springs);
+        for frame in [0, 1, 25, 39, 40, 50, 60, 61, 69, 70, 71, 72, 75, 98, 99] {
+            assert!(sampling.frames.contains(&frame), "{frame}");
+        }
+        assert!(sampling.frames.len() < 30);
+        let sum = |values: &[f64]| values.iter().sum::<f64>();
+        // Sums of a hundred numbers up to a hundred.
+        assert!((sum(&sampling.compliances) - sum(&springs)).abs() < 1e-9);
+        let length = length(&rest.positions);
+        assert!((sum(&sampling.lengths) - length).abs() < 1e-12);
+        let coarse = sampling.path(&rest);
+        let (first, last) = coarse.rigid[0];
+        assert_eq!((sampling.frames[first], sampling.frames[last]), (40, 60));
+        assert!((first + 1..last).all(|kept| sampling.compliances[kept] == 0.0), "a stand does not bend");
+        assert_eq!(sampling.counted(70.5), sampling.number(70) as f64 + 0.5);
+    }
+
+    fn length(points: &[c64]) -> f64 {
+        points.windows(2).map(|pair| (pair[1] - pair[0]).norm()).sum()
+    }
+}
