@@ -106,13 +106,11 @@ impl<'a> Weighing<'a> {
         let timing = self.timing(variant);
         let timing = timing.get()?.as_ref()?;
         let who = proposal.candidate.character;
-        let make = || {
-            let response =
-                self.responses[who.as_usize()].get_or_init(|| self.editor.response(who)).as_ref()?;
-            self.editor.exchange(variant, response)
+        let response = self.responses[who.as_usize()].get_or_init(|| self.editor.response(who)).as_ref()?;
+        let make = || self.editor.exchange(variant, response);
+        let estimate = |exchange: &mut Exchange| {
+            self.editor.energy_if((variant, timing), (exchange, response), most - bound)
         };
-        let estimate =
-            |exchange: &mut Exchange| self.editor.energy_if((variant, timing), exchange, most - bound);
         let told = if self.keeps {
             let kept = proposal.exchange.get_or_init(|| make().map(Mutex::new)).as_ref()?;
             estimate(&mut kept.lock().unwrap_or_else(PoisonError::into_inner))?

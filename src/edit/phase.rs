@@ -76,6 +76,23 @@ impl PhaseSolver {
         }
     }
 
+    /// Of no rows: room for one that may not be needed.
+    pub fn none() -> Self {
+        Self {
+            rows: Vec::new(),
+            hard: Vec::new(),
+            dependent: Vec::new(),
+            kept: Vec::new(),
+            kept_rows: Vec::new(),
+            deviations: Vec::new(),
+            hard_deviations: Vec::new(),
+            kept_deviations: Vec::new(),
+            reduced: None,
+            direct: None,
+            answer: Backend::Direct,
+        }
+    }
+
     /// Factors the system unless that is done: the direct one where the reduced one cannot be.
     ///
     /// # Errors

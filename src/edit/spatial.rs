@@ -90,15 +90,27 @@ pub struct SpatialComponent {
     pub(super) others: Vec<(Runs, [PhaseSolver; 2])>,
     /// Of bodies, only the lengths of their paths are asked for.
     pub(super) lengths_only: bool,
+    /// The scale system is not there yet.
+    pub(super) lacks_scale: bool,
 }
 
 /// So many systems with other stretches released are kept.
 const MOST_KEPT: usize = 4;
 
+/// How far a solve went.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Solved {
+    /// Both phases.
+    Both,
+    /// The shape takes too much energy.
+    TooMuch,
+    /// The shape; what it takes to go on is missing.
+    LacksScale,
+}
+
 /// What came of one attempt.
 enum Attempt {
-    Done,
-    TooMuch,
+    Ended(Solved),
     Release(Runs),
 }
 
@@ -144,6 +156,7 @@ impl SpatialComponent {
             scale,
             others: Vec::new(),
             lengths_only: false,
+            lacks_scale: false,
         }
     }
 
@@ -200,16 +213,15 @@ impl SpatialComponent {
         self.solve_below(f64::INFINITY).map(|_| ())
     }
 
-    /// The same, given up where the shape alone takes more energy than `most`, m²; whether it was done.
+    /// The same, given up where the shape alone takes more energy than `most`, m².
     ///
     /// # Errors
     /// As [`SpatialComponent::solve`].
-    pub fn solve_below(&mut self, most: f64) -> Result<bool, SpatialError> {
+    pub fn solve_below(&mut self, most: f64) -> Result<Solved, SpatialError> {
         self.release(Vec::new());
         loop {
             match self.attempt(most)? {
-                Attempt::Done => return Ok(true),
-                Attempt::TooMuch => return Ok(false),
+                Attempt::Ended(solved) => return Ok(solved),
                 Attempt::Release(mut runs) => {
                     runs.extend(&self.released);
                     runs.sort_unstable();
@@ -232,9 +244,12 @@ impl SpatialComponent {
         }
         self.check_bodies()?;
         if self.energy.shape + self.energy.shape_soft > most {
-            return Ok(Attempt::TooMuch);
+            return Ok(Attempt::Ended(Solved::TooMuch));
         }
-        self.solve_scale().map(|release| release.unwrap_or(Attempt::Done))
+        if self.lacks_scale {
+            return Ok(Attempt::Ended(Solved::LacksScale));
+        }
+        self.solve_scale().map(|release| release.unwrap_or(Attempt::Ended(Solved::Both)))
     }
 
     fn solve_shape(&mut self) -> Result<Option<Attempt>, SpatialError> {

@@ -9,6 +9,7 @@ use cotillion_solvers::PathResponse;
 use crate::edit::bodies::leave_to_the_body;
 use crate::edit::facing::Body;
 use crate::edit::hold::{Phase, Prepared, Rotations};
+use crate::edit::phase::PhaseSolver;
 use crate::edit::settings::FacingMode;
 use crate::edit::spatial::{SpatialComponent, chords, freedom};
 use crate::edit::turned::TurnedPath;
@@ -31,7 +32,8 @@ pub fn response(group: &SpatialComponent, path: usize) -> Option<GroupResponse> 
     Some(GroupResponse { path, phases: [group.shape.response(path)?, group.scale.response(path)?] })
 }
 
-/// The group with `rest` in place of a path, and the rows `held` with those on it; of its bodies it tells lengths only. `None`
+/// The group with `rest` in place of a path, and the rows `held` with those on it, for the shape phase; of its bodies it tells
+/// lengths only. `None`
 /// where more would change than that. Cost: linear in frames of the group, and by the cube of the rows of the path.
 pub fn exchanged(
     group: &SpatialComponent,
@@ -51,9 +53,7 @@ pub fn exchanged(
     let settings = group.settings;
     let (all, rows) = (rests.as_slice(), held.as_slice());
     let own = |phase| (path, freedom((all, &[]), phase, &settings, &[]));
-    let [shape, scale] = &response.phases;
-    let shape = group.shape.exchanged(own(Phase::Shape), rows, &settings, shape)?;
-    let scale = group.scale.exchanged(own(Phase::Scale), rows, &settings, scale)?;
+    let shape = group.shape.exchanged(own(Phase::Shape), rows, &settings, &response.phases[0])?;
     let mut segments = group.segments.clone();
     segments[path] = rests[path].segments();
     let mut own_chords = group.chords.clone();
@@ -76,8 +76,26 @@ pub fn exchanged(
         settings,
         backend: group.backend,
         shape,
-        scale,
+        scale: PhaseSolver::none(),
         others: Vec::new(),
         lengths_only: true,
+        lacks_scale: true,
     })
+}
+
+/// Gives an exchanged group its scale system; `None` where more would change than the path. Most shapes take too much already.
+pub fn complete(
+    group: &SpatialComponent,
+    response: &GroupResponse,
+    own: &mut SpatialComponent,
+) -> Option<()> {
+    if !group.released.is_empty() {
+        return None;
+    }
+    let settings = own.settings;
+    let freedom = freedom((&own.rests, &[]), Phase::Scale, &settings, &[]);
+    let path = (response.path, freedom);
+    own.scale = group.scale.exchanged(path, &own.held, &settings, &response.phases[1])?;
+    own.lacks_scale = false;
+    Some(())
 }

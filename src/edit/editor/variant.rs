@@ -9,10 +9,10 @@ use crate::edit::expand::{Expansion, expand_some, expand_times, retarget, second
 use crate::edit::groups::Group;
 use crate::edit::hold::{Hold, Prepared};
 use crate::edit::phase::weight_of;
-use crate::edit::spatial::SpatialComponent;
+use crate::edit::spatial::{Solved, SpatialComponent};
 use crate::edit::temporal::TemporalComponent;
 use crate::edit::time_row::TimeRow;
-use crate::edit::what_if::{GroupResponse, exchanged, response};
+use crate::edit::what_if::{GroupResponse, complete, exchanged, response};
 use crate::geometry::c64;
 use crate::index::{CharacterId, ConstraintId};
 use crate::path::RestPath;
@@ -181,14 +181,19 @@ impl Editor {
     pub fn energy_if(
         &self,
         (variant, timing): (&Variant, &Timing),
-        Exchange { group, component }: &mut Exchange,
+        (Exchange { group, component }, response): (&mut Exchange, &GroupResponse),
         most: f64,
     ) -> Option<WhatIf> {
         component.held.iter_mut().for_each(|prepared| {
             retarget(&mut prepared.row, &self.scene);
         });
-        let done = component.solve_below(most * WORKING_STEP.powi(3)).ok()?;
-        if !done {
+        let most = most * WORKING_STEP.powi(3);
+        let mut solved = component.solve_below(most).ok()?;
+        if solved == Solved::LacksScale {
+            complete(&self.spatial[*group].component, response, component)?;
+            solved = component.solve_below(most).ok()?;
+        }
+        if solved != Solved::Both {
             return Some(WhatIf::TooMuch);
         }
         let lengths = component.bodies.iter().map(|body| body.length).collect();
