@@ -9,7 +9,9 @@ use std::sync::Arc;
 
 use cotillion::constraint::Evaluator;
 use cotillion::discrete::editor::{DiscreteEditor, Occasion};
+use cotillion::discrete::remap::bound;
 use cotillion::discrete::settings::DiscreteSettings;
+use cotillion::edit::{Backend, Editor};
 use cotillion::scene::Mode;
 use cotillion_solvers::workload::PUBLISHED_SCENES;
 use workload::{Case, case};
@@ -45,6 +47,35 @@ fn what_ifs_are_good_to_eight_digits_and_know_every_candidate() {
                 let off = (estimate - energy).abs();
                 assert!(off <= WHAT_IF * energy, "{}: {estimate} for {energy}", case.name);
                 assert!(own.bound <= energy, "{}: {own:?}", case.name);
+            }
+        }
+    }
+}
+
+/// Ê of the system as published: its normal equations leave about so many digits.
+const PUBLISHED: f64 = 1e-6;
+
+#[test]
+fn the_published_system_has_the_energies_of_the_exact_one() {
+    for published in &PUBLISHED_SCENES {
+        for mode in [Mode::Paper, Mode::Production] {
+            let case = case(published, mode);
+            let energy = |backend| {
+                let mut editor = Editor::of(bound(case.scene.clone()), backend).expect("the scene is sound");
+                for (constraint, target) in case.dragged(1, 2) {
+                    editor.move_target(constraint, target).expect("the constraint has such a target");
+                }
+                let energy = editor.solve().expect("there is a solution").energy;
+                editor.reassemble();
+                let again = editor.solve().expect("there is a solution").energy;
+                assert_eq!(energy, again, "{}: nothing that matters was forgotten", case.name);
+                energy
+            };
+            let (exact, own) = (energy(Backend::Direct), energy(Backend::Published));
+            let pairs = [(exact.shape, own.shape), (exact.scale, own.scale), (exact.time, own.time)];
+            for (exact_term, term) in pairs {
+                let off = (term - exact_term).abs();
+                assert!(off <= PUBLISHED * exact.total, "{}: {term} for {exact_term}", case.name);
             }
         }
     }

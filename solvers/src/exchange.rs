@@ -44,7 +44,7 @@ impl Exchange {
         (inverse, difference): (&DMatrix<c64>, DMatrix<c64>),
     ) -> Option<Self> {
         let size = border.len();
-        let system = (DMatrix::identity(size, size) + inverse * &difference).lu();
+        let system = (DMatrix::identity(size, size) + product(inverse, &difference)).lu();
         system.is_invertible().then_some(Self { border, columns, difference, system })
     }
 
@@ -58,6 +58,14 @@ impl Exchange {
             x.iter_mut().zip(column.iter()).for_each(|(x, value)| *x -= value * force);
         }
     }
+}
+
+/// `A B` by products of real matrices, which are several times as fast as those of complex ones.
+fn product(a: &DMatrix<c64>, b: &DMatrix<c64>) -> DMatrix<c64> {
+    let parts = |matrix: &DMatrix<c64>| (matrix.map(|value| value.re), matrix.map(|value| value.im));
+    let ((a_re, a_im), (b_re, b_im)) = (parts(a), parts(b));
+    let (real, imaginary) = (&a_re * &b_re - &a_im * &b_im, &a_re * &b_im + &a_im * &b_re);
+    real.zip_map(&imaginary, c64::new)
 }
 
 impl Compliance {

@@ -56,12 +56,14 @@ pub struct Track {
 
 /// Which points are unknowns.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Knots {
+pub enum Knots<'a> {
     /// Those that rows touch, a track's first where none does, and both sides of a last step that weighs more.
     #[default]
     Touched,
     /// All: the full system, to compare with.
     All,
+    /// Those touched and these: track, point.
+    Besides(&'a [(usize, usize)]),
 }
 
 /// The springs between two neighbouring knots of a track.
@@ -226,6 +228,7 @@ impl KnotList {
                 .enumerate()
                 .flat_map(|(track, own)| (0..own.points).map(move |point| (track, point)))
                 .collect(),
+            Knots::Besides(others) => [needed(tracks, rows), others.to_vec()].concat(),
         };
         touched.sort_unstable();
         touched.dedup();

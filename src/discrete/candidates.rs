@@ -69,6 +69,8 @@ pub fn candidates(graph: &MotionGraph, seen: &Seen<'_>, settings: &DiscreteSetti
 struct Frames<'a> {
     seen: &'a Seen<'a>,
     nodes: Vec<GraphFrame>,
+    /// Run of every track frame.
+    runs: Vec<usize>,
     shown: BTreeMap<GraphFrame, Vec<usize>>,
 }
 
@@ -85,7 +87,9 @@ impl<'a> Frames<'a> {
         for (frame, node) in nodes.iter().enumerate() {
             shown.entry(*node).or_default().push(frame);
         }
-        Self { seen, nodes, shown }
+        let runs = seen.track.runs.iter().enumerate();
+        let runs = runs.flat_map(|(index, run)| std::iter::repeat_n(index, run.frame_count())).collect();
+        Self { seen, nodes, runs, shown }
     }
 
     /// Graph frames like that of track frame `i`, itself among them.
@@ -153,6 +157,7 @@ impl<'a> Frames<'a> {
     /// Replacements of what lies between two track frames by what lies in some clip between two frames like them.
     fn replacements(&self, graph: &MotionGraph, settings: &DiscreteSettings, found: &mut Vec<Candidate>) {
         let alike: Vec<_> = (0..self.nodes.len()).map(|i| self.alike(graph, i)).collect();
+        let mut known = false;
         for i in 0..self.nodes.len() {
             let last = (i + settings.longest).min(self.nodes.len().saturating_sub(2));
             for j in (i + settings.shortest..=last).filter(|j| self.allowed(i, *j, settings)) {
@@ -162,7 +167,14 @@ impl<'a> Frames<'a> {
                         if !self.is_worth((i, j), &stretch, settings) {
                             continue;
                         }
+                        // One of those that change nothing stands for all, as these give one sequence.
+                        let same =
+                            (*from, *to) == (self.nodes[i], self.nodes[j]) && self.runs[i] == self.runs[j];
+                        if same && known {
+                            continue;
+                        }
                         let splice = (Splice::replace(i, j, vec![stretch]), Keep::First);
+                        known |= same && self.seen.protected.allow(&splice.0, splice.1);
                         found.push(self.candidate(
                             ChangeKind::Replace,
                             splice,

@@ -147,6 +147,12 @@ impl DiscreteEditor {
         self.editor.move_target(constraint, target)
     }
 
+    /// See [`Editor::reassemble`].
+    pub fn reassemble(&mut self) {
+        self.forget_systems();
+        self.editor.reassemble();
+    }
+
     /// Solves for the present targets and makes the change that lowers Ê most, if one is worth it: at most one, of one
     /// track. Whether one was made.
     ///

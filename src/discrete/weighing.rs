@@ -134,11 +134,15 @@ impl<'a> Weighing<'a> {
         }
         let Candidate { character, splice, keep, .. } = &proposal.candidate;
         let variant = self.variant(proposal)?;
-        let timing = self.timing(variant);
+        let timing = (!self.editor.samples_times()).then(|| self.timing(variant));
+        let timing = match &timing {
+            Some(timing) => Some(timing.get()?.as_ref()?),
+            None => None,
+        };
         let mut marked = marked.to_vec();
         let own = &mut marked[character.as_usize()];
         *own = own.iter().filter_map(|frame| splice.map(*frame, *keep)).collect();
-        let energy = self.editor.energy_sampled(variant, timing.get()?.as_ref()?, &marked).ok()?;
+        let energy = self.editor.energy_sampled(variant, timing, &marked).ok()?;
         Some(energy.with_turns(self.turns(proposal)).total)
     }
 

@@ -62,6 +62,19 @@ impl Columns {
         Self::of_frames(freedom, frames)
     }
 
+    /// One unknown for each frame, whatever ties it to others. Cost: linear in frames.
+    pub fn one_per_frame(freedom: Freedom) -> Self {
+        let mut count = 0;
+        let own = |path: &RestPath| {
+            let first = count;
+            count += path.len();
+            let columns = (first..count).map(|column| FrameColumns { column, second: None }).collect();
+            PathColumns { frames: (0..path.len()).collect(), columns }
+        };
+        let paths = freedom.paths.iter().map(own).collect();
+        Self { paths, count }
+    }
+
     /// Unknowns of the frames that rows touch. Cost: linear in terms.
     pub fn touched<'a>(freedom: Freedom, rows: impl IntoIterator<Item = &'a [Term]>) -> Self {
         let mut frames: Vec<Vec<usize>> = vec![Vec::new(); freedom.paths.len()];

@@ -5,7 +5,8 @@ use cotillion_solvers::{Factor, KktError, KktForm, LeastSquares, PointRow, RowMa
 use crate::edit::columns::{Columns, Freedom};
 use crate::edit::gauge;
 use crate::edit::hold::{Phase, Term};
-use crate::edit::settings::{RunMode, SpatialSettings};
+use crate::edit::pairs::Pairs;
+use crate::edit::settings::{Backend, RunMode, SpatialSettings};
 use crate::edit::springs::{RELEASED_WEIGHT, ShapeSpring, shape_spring};
 use crate::geometry::c64;
 use crate::path::RestPath;
@@ -17,18 +18,32 @@ pub struct DirectPhase {
     problem: LeastSquares<c64>,
     /// How many rows of `M` are interior rows.
     interior: usize,
-    /// Free motions fixed by gauge rows, the last of `H`.
+    /// Free motions fixed by gauge rows, which follow the held ones in `H`.
     pub gauges: usize,
-    factor: Option<(Factor<c64>, Workspace<c64>)>,
+    /// Whether the system is that of [`Backend::Published`].
+    published: bool,
+    factor: Option<Factored>,
     x: Vec<c64>,
     soft_targets: Vec<c64>,
     hard_targets: Vec<c64>,
 }
 
+/// In which numbers a system is factored.
+enum Factored {
+    Complex(Factor<c64>, Workspace<c64>),
+    Pairs(Pairs),
+}
+
 impl DirectPhase {
     /// Assembles. `rows`: held rows, the hard ones independent. Cost: linear in frames.
-    pub fn new(freedom: Freedom, rows: &[PointRow<c64>], settings: &SpatialSettings) -> Self {
-        let columns = Columns::all(freedom);
+    pub fn new(
+        freedom: Freedom,
+        rows: &[PointRow<c64>],
+        settings: &SpatialSettings,
+        backend: Backend,
+    ) -> Self {
+        let published = backend == Backend::Published;
+        let columns = if published { Columns::one_per_frame(freedom) } else { Columns::all(freedom) };
         let mut soft = RowMatrix::new(columns.count);
         for path in 0..freedom.paths.len() {
             push_interior_rows(freedom, path, settings, |terms| {
@@ -50,6 +65,10 @@ impl DirectPhase {
         gauge.iter().for_each(|terms| {
             hard.push_row(&columns.row(terms));
         });
+        let held = if published { still_rows(freedom, settings) } else { Vec::new() };
+        held.iter().for_each(|terms| {
+            hard.push_row(&columns.row(terms));
+        });
         let (soft_targets, hard_targets) =
             (vec![c64::default(); soft.rows()], vec![c64::default(); hard.rows()]);
         Self {
@@ -58,6 +77,7 @@ impl DirectPhase {
             columns,
             interior,
             gauges: gauge.len(),
+            published,
             factor: None,
             soft_targets,
             hard_targets,
@@ -69,10 +89,12 @@ impl DirectPhase {
     /// # Errors
     /// What the solver says of a matrix it cannot factor.
     pub fn factor(&mut self) -> Result<(), KktError> {
-        if self.factor.is_none() {
+        if self.factor.is_none() && self.published {
+            self.factor = Some(Factored::Pairs(Pairs::new(&self.problem)?));
+        } else if self.factor.is_none() {
             let factor = analyse(&self.problem, KktForm::Hachtel)?.factor(&self.problem)?;
             let workspace = factor.workspace();
-            self.factor = Some((factor, workspace));
+            self.factor = Some(Factored::Complex(factor, workspace));
         }
         Ok(())
     }
@@ -96,8 +118,12 @@ impl DirectPhase {
                 }
             }
         }
-        let Some((factor, workspace)) = &mut self.factor else { return Ok(()) };
-        factor.solve_into(&self.soft_targets, &self.hard_targets, &mut self.x, workspace).map(|_| ())
+        let (m, h, x) = (&self.soft_targets, &self.hard_targets, &mut self.x);
+        match &mut self.factor {
+            Some(Factored::Complex(factor, workspace)) => factor.solve_into(m, h, x, workspace).map(|_| ()),
+            Some(Factored::Pairs(pairs)) => pairs.solve_into((m, h), x),
+            None => Ok(()),
+        }
     }
 
     /// Calls `visit` with every frame of a path and its deviation.
@@ -153,6 +179,35 @@ fn push_interior_rows(
             push(&[term(0), term(1), term(2)]);
         }
     }
+}
+
+/// Rows that hold what [`Columns::all`] has no unknowns for: the shape rows of stationary
+/// stretches, all their steps where they keep their length, and points that repeat the one before. All of them are 0.
+fn still_rows(freedom: Freedom, settings: &SpatialSettings) -> Vec<Vec<Term>> {
+    let one = c64::new(1.0, 0.0);
+    let mut rows = Vec::new();
+    for (path, rest) in freedom.paths.iter().enumerate() {
+        let step = |frame: usize| vec![(path, frame - 1, -one), (path, frame, one)];
+        let kept = |(a, b): (usize, usize)| freedom.kept_runs(path).any(|run| run.0 <= a && b <= run.1);
+        for frame in 1..rest.len() {
+            let together = kept((frame - 1, frame));
+            let rigid = freedom.phase == Phase::Scale && freedom.runs == RunMode::Rigid;
+            let similar = freedom.phase == Phase::Shape || freedom.runs == RunMode::Similar;
+            let repeats = rest.coincide(frame - 1, frame);
+            if together && rigid || repeats && (freedom.phase == Phase::Shape || together) {
+                rows.push(step(frame));
+            }
+            if !similar || frame + 1 == rest.len() {
+                continue;
+            }
+            let Some(spring) = shape_spring(rest, frame, settings) else { continue };
+            if kept((frame - 1, spring.next)) {
+                let (frames, coefficients) = shape_row(rest, (frame, spring), None);
+                rows.push((0..3).map(|k| (path, frames[k], coefficients[k])).collect());
+            }
+        }
+    }
+    rows
 }
 
 /// Three frames and their coefficients.

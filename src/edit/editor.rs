@@ -94,7 +94,7 @@ impl Editor {
             scene.characters.par_iter().map(|character| character.track.rest_path()).collect();
         let expansion = expand(&scene, &rests);
         let (spatial, held) = spatial_groups(&rests, &expansion.held, settings, backend);
-        let (temporal, times) = temporal_groups(step_bounds(&scene), &rests, &expansion.times);
+        let (temporal, times) = temporal_groups((step_bounds(&scene), backend), &rests, &expansion.times);
         let characters = rests.into_iter().map(EditedCharacter::at_rest);
         let edit = Edit { characters: characters.collect(), energy: Energy::default(), notes: Vec::new() };
         let extents = edit.characters.iter().map(extent).collect();
@@ -114,6 +114,18 @@ impl Editor {
         for_each_stale(&mut self.temporal, |group| {
             group.component.factor().map_err(|error| time_error(scene, &group.characters, error))
         })
+    }
+
+    /// Assembles all systems anew and forgets what was factored, as a program would that keeps nothing: to compare with.
+    pub fn reassemble(&mut self) {
+        for group in &mut self.spatial {
+            group.component.reassemble();
+            group.stale = true;
+        }
+        for group in &mut self.temporal {
+            group.component.reassemble();
+            group.stale = true;
+        }
     }
 
     /// The scene, with its targets as they are now.

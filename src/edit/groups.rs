@@ -111,8 +111,9 @@ pub fn spatial_groups(
 }
 
 /// Temporal components of all characters, with the rows in them.
+/// `backend`: of the spatial components; times are reduced with all but the published one.
 pub fn temporal_groups(
-    bounds: Option<StepBounds>,
+    (bounds, backend): (Option<StepBounds>, Backend),
     rests: &[RestPath],
     rows: &[TimeRow],
 ) -> Grouped<TemporalComponent> {
@@ -131,7 +132,8 @@ pub fn temporal_groups(
         index.push((group, own[group].len()));
         own[group].push(row);
     }
-    let settings = TemporalSettings { bounds, ..TemporalSettings::default() };
+    let backend = if backend == Backend::Published { backend } else { Backend::default() };
+    let settings = TemporalSettings { bounds, backend, ..TemporalSettings::default() };
     let build = |(characters, rows): (Vec<usize>, Vec<TimeRow>)| {
         let counts = characters.iter().map(|character| rests[*character].len()).collect();
         Group::new(characters, rests, TemporalComponent::new(counts, rows, settings))

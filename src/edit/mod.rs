@@ -19,6 +19,7 @@ pub mod clash;
 pub mod springs;
 pub mod reduced;
 pub mod gauge;
+pub mod pairs;
 pub mod direct;
 pub mod phase;
 pub mod energy;

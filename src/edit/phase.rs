@@ -38,6 +38,8 @@ pub struct PhaseSolver {
     reduced: Option<ReducedPhase>,
     /// In place of the reduced system where that cannot express the paths or cannot be solved; made when first needed.
     direct: Option<Box<DirectPhase>>,
+    /// What was asked for.
+    backend: Backend,
     /// Which of them the present solution is of.
     answer: Backend,
 }
@@ -59,10 +61,11 @@ impl PhaseSolver {
         let kept_rows: Vec<PointRow<c64>> = kept.iter().map(|row| rows[*row].1.clone()).collect();
         let reduced = match backend {
             Backend::Reduced => ReducedPhase::new(freedom, &kept_rows, settings),
-            Backend::Direct => None,
+            Backend::Direct | Backend::Published => None,
         };
         Self {
             answer: if reduced.is_some() { Backend::Reduced } else { Backend::Direct },
+            backend,
             reduced,
             direct: None,
             deviations: vec![c64::default(); rows.len()],
@@ -89,6 +92,7 @@ impl PhaseSolver {
             kept_deviations: Vec::new(),
             reduced: None,
             direct: None,
+            backend: Backend::Reduced,
             answer: Backend::Direct,
         }
     }
@@ -105,8 +109,8 @@ impl PhaseSolver {
     }
 
     fn direct(&mut self, freedom: Freedom, settings: &SpatialSettings) -> &mut DirectPhase {
-        let rows = &self.kept_rows;
-        self.direct.get_or_insert_with(|| Box::new(DirectPhase::new(freedom, rows, settings)))
+        let (rows, backend) = (&self.kept_rows, self.backend);
+        self.direct.get_or_insert_with(|| Box::new(DirectPhase::new(freedom, rows, settings, backend)))
     }
 
     /// Takes over what the system before knows of the pattern, if only coefficients have changed since.
@@ -216,6 +220,7 @@ impl PhaseSolver {
             kept_deviations: self.kept_deviations.clone(),
             reduced: Some(reduced),
             direct: None,
+            backend: Backend::Reduced,
             answer: Backend::Reduced,
         })
     }

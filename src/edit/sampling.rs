@@ -13,7 +13,7 @@ use crate::index::floor_index;
 use crate::path::{RestPath, bracket};
 
 /// Frames from one kept for its own sake to the next.
-const STRIDE: usize = 25;
+pub const STRIDE: usize = 25;
 
 /// The frames of a path that are kept.
 #[derive(Clone, Debug, Default, PartialEq)]

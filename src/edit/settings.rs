@@ -37,6 +37,9 @@ pub enum Backend {
     Reduced,
     /// Sparse LU of all frames: the reference.
     Direct,
+    /// Sparse LU of all frames as published: normal equations, two real unknowns a frame, hard constraints and stationary
+    /// stretches held with multipliers; times likewise. To compare with: it is off by more than rounding.
+    Published,
 }
 
 /// Settings of the spatial phases.

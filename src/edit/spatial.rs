@@ -234,12 +234,14 @@ impl SpatialComponent {
 
     fn attempt(&mut self, most: f64) -> Result<Attempt, SpatialError> {
         self.rest_rotations();
-        if let Some(release) = self.solve_shape()? {
-            return Ok(release);
+        // Where nobody turns on the spot, the first shape is the last one: no need to draw it if it takes too much.
+        let drawn_up_to = if self.may_turn() { f64::INFINITY } else { most };
+        if let Some(ended) = self.solve_shape(drawn_up_to)? {
+            return Ok(ended);
         }
         if self.update_rotations() {
-            if let Some(release) = self.solve_shape()? {
-                return Ok(release);
+            if let Some(ended) = self.solve_shape(most)? {
+                return Ok(ended);
             }
             self.update_rotations();
         }
@@ -253,7 +255,8 @@ impl SpatialComponent {
         self.solve_scale().map(|release| release.unwrap_or(Attempt::Ended(Solved::Both)))
     }
 
-    fn solve_shape(&mut self) -> Result<Option<Attempt>, SpatialError> {
+    /// Solves the shape phase; draws it unless it takes more energy than `most`.
+    fn solve_shape(&mut self, most: f64) -> Result<Option<Attempt>, SpatialError> {
         let (held, rotations, rests) = (&self.held, &self.rotations, &self.rests);
         let rest = |path: usize| rests[path].positions.as_slice();
         let asked = reference_translations(rests.len(), rest, held, |_| Rotations::NONE);
@@ -269,6 +272,10 @@ impl SpatialComponent {
         let freedom = freedom(paths, Phase::Shape, &self.settings, &self.released);
         let solved = self.shape.solve(freedom, &self.settings);
         solved.map_err(|error| SpatialError::Solver(Phase::Shape, error))?;
+        (self.energy.shape, self.energy.shape_soft) = self.shape.energies();
+        if self.energy.shape + self.energy.shape_soft > most {
+            return Ok(Some(Attempt::Ended(Solved::TooMuch)));
+        }
         let (shape, segments, chords, released) = (&self.shape, &self.segments, &self.chords, &self.released);
         let bend = |path: usize, shaped: &mut Vec<c64>, turned: &mut TurnedPath| {
             let (rest, translation) = (&rests[path], translations[path]);
@@ -278,7 +285,6 @@ impl SpatialComponent {
             turned.follow(&segments[path], shaped, runs.map(|(_, run)| run));
         };
         for_each_path(rests, &mut self.shaped, &mut self.turned, bend);
-        (self.energy.shape, self.energy.shape_soft) = self.shape.energies();
         Ok(None)
     }
 

@@ -67,6 +67,8 @@ pub struct TemporalComponent {
     /// Steps that stand at a bound.
     pub active_steps: usize,
     settings: TemporalSettings,
+    /// Frames that are unknowns besides those that constraints touch, by track; `None`: what the solver takes.
+    kept: Option<Vec<(usize, usize)>>,
     network: Network,
     factor: Option<(Factor<f64>, Workspace<f64>)>,
     /// Seconds of each row, as solved for.
@@ -84,7 +86,33 @@ impl TemporalComponent {
     /// # Panics
     /// If a row's moment or weight is not finite, its weight is negative, or its track does not exist.
     pub fn new(counts: Vec<usize>, rows: Vec<TimeRow>, settings: TemporalSettings) -> Self {
-        let network = network(&counts, &rows, settings.backend);
+        Self::of_knots((counts, None), rows, settings)
+    }
+
+    /// The same with these frames as unknowns besides those that constraints touch: track, frame.
+    ///
+    /// # Panics
+    /// As [`TemporalComponent::new`].
+    pub fn of_samples(
+        counts: Vec<usize>,
+        kept: Vec<(usize, usize)>,
+        rows: Vec<TimeRow>,
+        settings: TemporalSettings,
+    ) -> Self {
+        Self::of_knots((counts, Some(kept)), rows, settings)
+    }
+
+    fn of_knots(
+        (counts, kept): (Vec<usize>, Option<Vec<(usize, usize)>>),
+        rows: Vec<TimeRow>,
+        settings: TemporalSettings,
+    ) -> Self {
+        let knots = match (&kept, settings.backend) {
+            (Some(kept), _) => Knots::Besides(kept),
+            (None, Backend::Reduced) => Knots::Touched,
+            (None, Backend::Direct | Backend::Published) => Knots::All,
+        };
+        let network = network(&counts, &rows, knots);
         let (soft_targets, hard_targets) = network.targets();
         Self {
             times: counts.iter().map(|count| vec![0.0; *count]).collect(),
@@ -98,8 +126,17 @@ impl TemporalComponent {
             counts,
             rows,
             settings,
+            kept,
             network,
         }
+    }
+
+    /// Assembles anew; what was factored is forgotten.
+    pub fn reassemble(&mut self) {
+        let (counts, rows) = (self.counts.clone(), self.rows.clone());
+        let fresh = Self::of_knots((counts, self.kept.take()), rows, self.settings);
+        let times = std::mem::replace(self, fresh).times;
+        self.times = times;
     }
 
     /// As it was made with.
@@ -114,7 +151,11 @@ impl TemporalComponent {
     pub fn factor(&mut self) -> Result<(), TemporalError> {
         if self.factor.is_none() {
             let problem = &self.network.problem;
-            let factor = analyse(problem, KktForm::Hachtel)
+            let form = match self.settings.backend {
+                Backend::Published => KktForm::NormalEquations,
+                Backend::Reduced | Backend::Direct => KktForm::Hachtel,
+            };
+            let factor = analyse(problem, form)
                 .and_then(|analysis| analysis.factor(problem))
                 .map_err(TemporalError::Solver)?;
             let workspace = factor.workspace();
@@ -235,6 +276,11 @@ impl TemporalComponent {
                 self.x = solution.map_err(|error| self.explain(error))?.x;
                 self.take_solution();
             }
+            (Backend::Published, BoundMethod::DualActiveSet) => {
+                self.solve_reduced(|network, targets| {
+                    network.solve_within(targets, range).map(|found| found.x)
+                })?;
+            }
             _ => self.solve_dense(range)?,
         }
         let at_bound = |step: f64| (step - bounds.min).abs() < 1e-7 || (step - bounds.max).abs() < 1e-7;
@@ -245,13 +291,23 @@ impl TemporalComponent {
 
     /// The bounded problem on the constrained frames, dense.
     fn solve_dense(&mut self, range: StepRange) -> Result<(), TemporalError> {
-        let network = network(&self.counts, &self.rows, Backend::Reduced);
+        let method = self.settings.method;
+        self.solve_reduced(|network, targets| {
+            solve_bounded(&network.dense_program(targets, range), method).map(|found| found.x)
+        })
+    }
+
+    /// Solves on the constrained frames, whatever the unknowns are otherwise.
+    fn solve_reduced(
+        &mut self,
+        solve: impl FnOnce(&Network, (&[f64], &[f64])) -> Result<Vec<f64>, BoundsError>,
+    ) -> Result<(), TemporalError> {
+        let network = network(&self.counts, &self.rows, Knots::Touched);
         let (mut m, mut h) = network.targets();
         network.write_targets(&self.seconds, &mut m, &mut h);
-        let solution = solve_bounded(&network.dense_program((&m, &h), range), self.settings.method)
-            .map_err(|error| self.explain(error))?;
-        network.expand(&solution.x, &mut self.times);
-        let NetworkEnergy { springs, rows } = network.energy(&solution.x, &m);
+        let x = solve(&network, (&m, &h)).map_err(|error| self.explain(error))?;
+        network.expand(&x, &mut self.times);
+        let NetworkEnergy { springs, rows } = network.energy(&x, &m);
         self.energy = (springs, rows);
         Ok(())
     }
@@ -276,12 +332,8 @@ impl TemporalComponent {
     }
 }
 
-/// Tracks with the rows on them: those frames as unknowns that `backend` needs.
-fn network(counts: &[usize], rows: &[TimeRow], backend: Backend) -> Network {
-    let knots = match backend {
-        Backend::Reduced => Knots::Touched,
-        Backend::Direct => Knots::All,
-    };
+/// Tracks with the rows on them.
+fn network(counts: &[usize], rows: &[TimeRow], knots: Knots) -> Network {
     let tails = tails(counts, rows);
     let tracks: Vec<Track> =
         counts.iter().zip(tails).map(|(count, tail)| Track { points: *count, tail }).collect();

@@ -2,7 +2,7 @@
 //! compare with.
 //!
 //! All paths of the group on every 25th frame and those that matter, by sparse LU of all kept frames, planned anew each time.
-//! Times are exact. Source: Kim et al. 2009, §5.3 (acceleration).
+//! Times are exact, by whatever system. Source: Kim et al. 2009, §5.3 (acceleration).
 
 use cotillion_solvers::SpringPath;
 
@@ -12,17 +12,19 @@ use crate::edit::EditError;
 use crate::edit::columns::Freedom;
 use crate::edit::energy::Energy;
 use crate::edit::hold::{Phase, Prepared};
-use crate::edit::sampling::{Sampling, sampled};
+use crate::edit::sampling::{STRIDE, Sampling, sampled};
 use crate::edit::settings::Backend;
 use crate::edit::spatial::SpatialComponent;
 use crate::edit::springs::shape_path;
+use crate::edit::temporal::TemporalComponent;
 use crate::path::RestPath;
 
 use super::space_error;
 
 impl Editor {
     /// Ê if `variant` were performed, estimated. `marked`: of each character, frames of its track (of the variant's own: of
-    /// that) that are kept, with the next one and those on either side. Only for scenes in which no object moves. Cost: by
+    /// that) that are kept, with the next one and those on either side. `timing`: its times; where it is not given, they are
+    /// solved on the kept frames. Only for scenes in which no object moves. Cost: by
     /// kept frames of the group.
     ///
     /// # Errors
@@ -30,7 +32,7 @@ impl Editor {
     pub fn energy_sampled(
         &self,
         variant: &Variant,
-        timing: &Timing,
+        timing: Option<&Timing>,
         marked: &[Vec<usize>],
     ) -> Result<Energy, EditError> {
         let (index, place) = place_of(&self.spatial, variant.character).unwrap_or_default();
@@ -51,11 +53,47 @@ impl Editor {
         let held: Vec<Prepared> = held.into_iter().map(|row| sampled(row, &samplings)).collect();
         let chords: Vec<Vec<f64>> = paths.iter().map(chords).collect();
         let samples = (paths, samplings.clone());
-        let mut component = SpatialComponent::of_samples(samples, held, self.settings, Backend::Direct);
+        let mut component =
+            SpatialComponent::of_samples(samples, held, self.settings, self.sampled_backend());
         component.solve().map_err(|error| space_error(&self.scene, &group.characters, error))?;
         let lengths = component.edited.iter().zip(&samplings).zip(&chords);
         let lengths = lengths.map(|((edited, sampling), rest)| stretched(edited, sampling, rest)).collect();
-        Ok(self.energy_with(variant, timing, &space_of(index, &component, lengths)))
+        let space = space_of(index, &component, lengths);
+        match timing {
+            Some(timing) => Ok(self.energy_with(variant, timing, &space)),
+            None => {
+                let timing = self.timing_sampled(variant, (&group.characters, &samplings))?;
+                Ok(self.energy_with(variant, &timing, &space))
+            }
+        }
+    }
+
+    /// Whether the times of estimates are solved on kept frames too, as published, though fewer would do.
+    pub fn samples_times(&self) -> bool {
+        self.backend == Backend::Published
+    }
+
+    fn sampled_backend(&self) -> Backend {
+        if self.backend == Backend::Published { Backend::Published } else { Backend::Direct }
+    }
+
+    /// Times of a variant with the frames of `samplings` as unknowns; of characters without one, every 25th frame.
+    fn timing_sampled(
+        &self,
+        variant: &Variant,
+        (sampled, samplings): (&[usize], &[Sampling]),
+    ) -> Result<Timing, EditError> {
+        self.timing_by(variant, |characters, counts, rows, settings| {
+            let frames = |(track, who): (usize, &usize)| match sampled.binary_search(who) {
+                Ok(place) => samplings[place].frames.clone(),
+                Err(_) => (0..counts[track]).step_by(STRIDE).chain([counts[track] - 1]).collect(),
+            };
+            let of_track = |(track, who)| {
+                frames((track, who)).into_iter().map(|frame| (track, frame)).collect::<Vec<_>>()
+            };
+            let kept = characters.iter().enumerate().flat_map(of_track).collect();
+            TemporalComponent::of_samples(counts.clone(), kept, rows, settings)
+        })
     }
 
     /// Compliance at each frame of a path in the shape phase.

@@ -11,7 +11,7 @@ use crate::edit::hold::{Hold, Prepared};
 use crate::edit::phase::weight_of;
 use crate::edit::retarget::{retarget, seconds_of};
 use crate::edit::spatial::{Solved, SpatialComponent};
-use crate::edit::temporal::TemporalComponent;
+use crate::edit::temporal::{TemporalComponent, TemporalSettings};
 use crate::edit::time_row::TimeRow;
 use crate::edit::what_if::{GroupResponse, complete, exchanged, response};
 use crate::geometry::c64;
@@ -123,6 +123,15 @@ impl Editor {
     /// # Errors
     /// Those of [`Editor::solve`].
     pub fn timing(&self, variant: &Variant) -> Result<Timing, EditError> {
+        self.timing_by(variant, |_, counts, rows, settings| TemporalComponent::new(counts, rows, settings))
+    }
+
+    /// The same by the system that `build` makes of characters, their numbers of frames, rows, and settings.
+    pub(super) fn timing_by(
+        &self,
+        variant: &Variant,
+        build: impl FnOnce(&[usize], Vec<usize>, Vec<TimeRow>, TemporalSettings) -> TemporalComponent,
+    ) -> Result<Timing, EditError> {
         let (index, place) = place_of(&self.temporal, variant.character).unwrap_or_default();
         let Group { component, characters, frames, .. } = &self.temporal[index];
         let mut counts = component.counts.clone();
@@ -139,7 +148,7 @@ impl Editor {
         }
         rows.extend(component.rows.iter().filter(|row| !variant.binds(row.constraint)));
         rows.sort_by_key(|row| row.constraint);
-        let component = TemporalComponent::new(counts, rows, component.settings());
+        let component = build(characters, counts, rows, component.settings());
         let characters = characters.clone();
         let mut group = Group { characters, component, frames: *frames, stale: true };
         solve_times(&self.scene, &mut group)?;

@@ -25,6 +25,14 @@ impl SpatialComponent {
         self.update_body_partners();
     }
 
+    /// Whether [`update_rotations`](Self::update_rotations) can find that a body turned on the way.
+    pub(super) fn may_turn(&self) -> bool {
+        self.held.iter().any(|prepared| {
+            let still = prepared.at.is_none() && matches!(prepared.row.hold, Hold::RelativeFacing { .. });
+            still || prepared.partner_row.is_some()
+        })
+    }
+
     /// Rotations of all places on the shaped paths; whether a body without direction turned on the way.
     pub(super) fn update_rotations(&mut self) -> bool {
         let mut turned = false;
