@@ -9,8 +9,11 @@
 //! (COLAMD) and factored by sparse LU. Rows of kept frames are weighted by what they stand for, without which the estimates
 //! would be dozens of times too large. The paper does not say whether factorisations are kept while only targets move, so there are two:
 //! *anew*, every update begins with assembling and factoring; *kept*, the systems of all frames stay factored until a change is
-//! made. Systems of candidates are factored for every update in both. Not counted to its disadvantage: the rows that two
-//! updates have in common are found once, and no end effector is enforced.
+//! made. Systems of candidates are factored for every update in both.
+//!
+//! What the paper's program may have done otherwise: here the splices of candidates, with their rest paths and rows, are found
+//! once and kept from update to update, dependent hard rows are sought first, each factorisation is probed by two substitutions,
+//! solutions are refined until they stay, and end effectors are not enforced.
 //!
 //! Times are of one thread: CPU milliseconds, which other work on the machine lengthens least.
 //!
