@@ -195,8 +195,7 @@ mod tests {
         data + bends.sum::<f64>()
     }
 
-    proptest! {
-        #[test]
+    #[test]
     fn accelerations_do_not_depend_on_how_often_a_curve_is_sampled() {
         for count in [31, 121, 481] {
             let times: Vec<f64> = (0..count).map(|k| f64::from(k) / f64::from(count - 1)).collect();
@@ -209,7 +208,8 @@ mod tests {
         assert!(accelerations_over(&[], &[], 1.0 / 30.0).is_empty());
     }
 
-    #[test]
+    proptest! {
+        #[test]
         fn an_envelope_is_nowhere_below_and_ends_two_windows_away(
             values in prop::collection::vec(prop_oneof![Just(0.0), 0.0..1.0_f64], 1..60),
             window in 0.05..0.5_f64,
