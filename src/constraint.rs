@@ -213,6 +213,8 @@ pub enum Evaluator {
     Exact,
     /// Exactly, all of them: the same choice for more work.
     BruteForce,
+    /// All of them on every 25th frame and those that matter, as published; the best one exactly.
+    Subsampled,
 }
 
 /// What discrete editing may do in a scene.

@@ -30,8 +30,9 @@ use rayon::prelude::*;
 
 use crate::c64;
 use crate::error::KktError;
+use crate::exchange::Exchange;
 use crate::free::{Combination, free_combinations};
-use crate::lu::LuOrder;
+use crate::lu::{LuOrder, LuScratch};
 use crate::path_loads::PathLoads;
 use crate::pieces::{Piece, cut_into_pieces};
 use crate::points::PointRow;
@@ -42,13 +43,13 @@ use crate::springs::SpringPath;
 /// Springs of several paths and the rows on their points.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Compliance {
-    pub(crate) paths: Vec<SpringPath>,
+    pub(crate) paths: Vec<Arc<SpringPath>>,
     /// Rows given, then those of cuts.
     pub(crate) rows: Vec<PointRow<c64>>,
     /// How many rows were given.
     pub(crate) given: usize,
     /// Pieces of all paths, in order.
-    pub(crate) loads: Vec<PathLoads>,
+    pub(crate) loads: Vec<Arc<PathLoads>>,
     /// First piece of each path; one more entry closes the last.
     pub(crate) first_pieces: Vec<usize>,
     pub(crate) layout: Layout,
@@ -86,7 +87,9 @@ struct Plan {
 #[derive(Clone, Debug)]
 pub struct ComplianceFactor {
     plan: Arc<Plan>,
-    lu: RefinedLu<c64>,
+    lu: Arc<RefinedLu<c64>>,
+    /// Of one path exchanged since.
+    exchange: Option<Arc<Exchange>>,
 }
 
 /// Paths with more samples than this in all are worked on by all threads.
@@ -102,8 +105,9 @@ impl Compliance {
         let given = rows.len();
         let (pieces, rows) = cut_into_pieces(&paths, rows);
         let samples: usize = paths.iter().map(SpringPath::len).sum();
-        let build = |piece: &Piece| PathLoads::new(&paths[piece.path], piece.own.clone(), &piece.terms);
-        let loads: Vec<PathLoads> = if samples > WORTH_THREADS {
+        let build =
+            |piece: &Piece| Arc::new(PathLoads::new(&paths[piece.path], piece.own.clone(), &piece.terms));
+        let loads: Vec<Arc<PathLoads>> = if samples > WORTH_THREADS {
             pieces.par_iter().with_min_len(16).map(build).collect()
         } else {
             pieces.iter().map(build).collect()
@@ -112,7 +116,7 @@ impl Compliance {
             (0..paths.len()).map(|path| pieces.partition_point(|piece| piece.path < path)).collect();
         first_pieces.push(pieces.len());
         let mut problem = Self {
-            paths,
+            paths: paths.into_iter().map(Arc::new).collect(),
             rows,
             given,
             loads,
@@ -133,6 +137,28 @@ impl Compliance {
     /// Number of free motions, which are fixed as at rest.
     pub fn free_motions(&self) -> usize {
         self.free.len()
+    }
+
+    /// The same unknowns and scales for other paths, rows and pieces; without entries.
+    pub(crate) fn like(
+        &self,
+        paths: Vec<Arc<SpringPath>>,
+        rows: Vec<PointRow<c64>>,
+        loads: Vec<Arc<PathLoads>>,
+    ) -> Self {
+        Self {
+            paths,
+            rows,
+            loads,
+            given: self.given,
+            first_pieces: self.first_pieces.clone(),
+            layout: self.layout.clone(),
+            free: Vec::new(),
+            positions: Arc::default(),
+            scales: self.scales.clone(),
+            unit: self.unit,
+            data: Vec::new(),
+        }
     }
 
     fn lay_out(&mut self) {
@@ -193,7 +219,7 @@ impl Compliance {
 
     fn fill(&mut self) {
         let (rows, scales, unit) = (&self.rows, &self.scales, self.unit);
-        let entries = self.loads.iter().map(PathLoads::entries).sum::<usize>() + rows.len();
+        let entries = self.loads.iter().map(|loads| loads.entries()).sum::<usize>() + rows.len();
         let (mut positions, mut data) = (Vec::with_capacity(entries), Vec::with_capacity(entries));
         let mut put = |row: usize, column: usize, value: c64| {
             positions.push((row, column));
@@ -258,24 +284,34 @@ impl ComplianceAnalysis {
         let values = plan.assembly.values(&problem.data);
         let lu =
             RefinedLu::new(&plan.assembly.pattern, &plan.order, values).map_err(|_| KktError::Singular)?;
-        Ok(ComplianceFactor { plan: self.0.clone(), lu })
+        Ok(ComplianceFactor { plan: self.0.clone(), lu: Arc::new(lu), exchange: None })
     }
 }
 
 impl ComplianceFactor {
-    /// The factored matrix.
-    pub(crate) fn lu(&self) -> &RefinedLu<c64> {
-        &self.lu
+    /// The same with one path exchanged.
+    pub(crate) fn exchanged(&self, exchange: Exchange) -> Self {
+        Self { exchange: Some(Arc::new(exchange)), ..self.clone() }
     }
 
-    /// Column `index` of the inverse of the scaled matrix, refined.
-    pub(crate) fn inverse_column(&self, index: usize) -> Vec<c64> {
-        let pattern = &self.plan.assembly.pattern;
-        let mut unit = vec![c64::default(); pattern.size];
-        unit[index] = c64::new(1.0, 0.0);
-        let mut column = unit.clone();
-        let mut scratch = self.lu.scratch(pattern.size);
-        self.lu.solve(pattern, (&unit, &mut column), 0..pattern.size, &mut scratch);
+    /// Memory for [`ComplianceFactor::substitute`].
+    pub(crate) fn scratch(&self) -> LuScratch {
+        self.lu.lu_scratch()
+    }
+
+    /// Replaces `b` by the solution of the scaled system, not refined.
+    pub(crate) fn substitute(&self, b: &mut [c64], scratch: &mut LuScratch) {
+        self.lu.substitute(b, scratch);
+        if let Some(exchange) = &self.exchange {
+            exchange.correct(b);
+        }
+    }
+
+    /// Column `index` of the inverse of the scaled matrix, not refined.
+    pub(crate) fn inverse_column(&self, index: usize, scratch: &mut LuScratch) -> Vec<c64> {
+        let mut column = vec![c64::default(); self.plan.assembly.pattern.size];
+        column[index] = c64::new(1.0, 0.0);
+        self.lu.substitute(&mut column, scratch);
         column
     }
 }

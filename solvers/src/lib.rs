@@ -72,6 +72,7 @@ mod clamp;
 mod compliance;
 mod difference;
 mod error;
+mod exchange;
 mod free;
 mod kkt;
 mod least_squares;

@@ -28,33 +28,45 @@ pub(crate) fn cut_into_pieces(
 ) -> (Vec<Piece>, Vec<PointRow<c64>>) {
     let by_path = terms_by_path(paths.len(), &rows);
     let mut pieces = Vec::with_capacity(paths.len());
-    let one = c64::new(1.0, 0.0);
     for (path, (rest, terms)) in paths.iter().zip(by_path).enumerate() {
-        let first = pieces.len();
-        let mut start = 0;
-        for end in cuts(rest, &terms).into_iter().chain([rest.len()]) {
-            pieces.push(Piece { path, own: start..end, terms: Vec::new() });
-            start = end;
-        }
-        let own = &mut pieces[first..];
-        if let [only] = own {
-            only.terms = terms;
-            continue;
-        }
-        for term in terms {
-            let piece = own.partition_point(|piece| piece.own.end <= term.1);
-            own[piece].terms.push(term);
-        }
-        for piece in 1..own.len() {
-            let cut = own[piece].own.start;
-            for point in [cut - 1, cut] {
-                own[piece - 1].terms.push((rows.len(), point, one));
-                own[piece].terms.push((rows.len(), point, -one));
-                rows.push(PointRow::hard(vec![(path, point, one), (path, point, -one)]));
-            }
-        }
+        let (own, joints) = cut_path((path, rest), terms, rows.len());
+        pieces.extend(own);
+        rows.extend(joints);
     }
     (pieces, rows)
+}
+
+/// Pieces of one path, and the rows that hold them together, which will be numbered from `first_row`.
+/// `terms`: row, point, coefficient; rows rise.
+pub(crate) fn cut_path(
+    (path, rest): (usize, &SpringPath),
+    terms: Vec<(usize, usize, c64)>,
+    first_row: usize,
+) -> (Vec<Piece>, Vec<PointRow<c64>>) {
+    let (mut own, mut start) = (Vec::new(), 0);
+    for end in cuts(rest, &terms).into_iter().chain([rest.len()]) {
+        own.push(Piece { path, own: start..end, terms: Vec::new() });
+        start = end;
+    }
+    if let [only] = own.as_mut_slice() {
+        only.terms = terms;
+        return (own, Vec::new());
+    }
+    for term in terms {
+        let piece = own.partition_point(|piece| piece.own.end <= term.1);
+        own[piece].terms.push(term);
+    }
+    let (one, mut joints) = (c64::new(1.0, 0.0), Vec::new());
+    for piece in 1..own.len() {
+        let cut = own[piece].own.start;
+        for point in [cut - 1, cut] {
+            let row = first_row + joints.len();
+            own[piece - 1].terms.push((row, point, one));
+            own[piece].terms.push((row, point, -one));
+            joints.push(PointRow::hard(vec![(path, point, one), (path, point, -one)]));
+        }
+    }
+    (own, joints)
 }
 
 /// Terms of all rows by path: row, point, coefficient.

@@ -15,12 +15,15 @@
 //!
 //! Source: Hager, *Updating the inverse of a matrix*, SIAM Review 31 (1989).
 
+use std::sync::Arc;
+
 use nalgebra::{DMatrix, DVector};
 
 use crate::bent::Bent;
 use crate::c64;
 use crate::compliance::{Compliance, ComplianceFactor};
 use crate::error::KktError;
+use crate::exchange::Exchange;
 use crate::kkt::{Factor, Workspace};
 use crate::network::Network;
 use crate::path_loads::PathLoads;
@@ -36,8 +39,11 @@ pub struct PathResponse {
     pub rows: Vec<usize>,
     /// Unknowns of the system that the path has entries in: its rows, the rows of its cuts, its similarities.
     border: Vec<usize>,
+    path: usize,
     /// Position in `border` of the first similarity; two at least, the last of them may be spare.
     similarities: usize,
+    /// Columns of the whole inverse for the border.
+    columns: Arc<DMatrix<c64>>,
     /// Inverse on the border.
     inverse: DMatrix<c64>,
     /// Entries that the path has now.
@@ -71,11 +77,15 @@ impl PathResponse {
         let spare = (similarities + 2).saturating_sub(border.len());
         let size = border.len() + spare;
         let mut inverse = DMatrix::identity(size, size);
+        let mut scratch = factor.scratch();
+        let mut columns = DMatrix::zeros(problem.layout.size, border.len());
         for (column, index) in border.iter().enumerate() {
-            let values = factor.inverse_column(*index);
+            let values = factor.inverse_column(*index, &mut scratch);
             border.iter().enumerate().for_each(|(row, other)| inverse[(row, column)] = values[*other]);
+            columns.column_mut(column).copy_from_slice(&values);
         }
-        let mut response = Self { rows, border, similarities, inverse, present: DMatrix::zeros(size, size) };
+        let (columns, present) = (Arc::new(columns), DMatrix::zeros(size, size));
+        let mut response = Self { rows, border, path, similarities, columns, inverse, present };
         for piece in pieces.clone() {
             let first = layout[piece] - layout[pieces.start];
             response.present += response.entries(problem, &problem.loads[piece], first);
@@ -106,6 +116,40 @@ impl PathResponse {
             entries[(column, row)] += value.conj();
         });
         entries
+    }
+
+    /// Factorisation of `changed`, which differs from the problem that this response is of in nothing but the path and the
+    /// rows on it.
+    ///
+    /// # Errors
+    /// [`KktError::Singular`] if the change leaves something free or makes rows depend on each other.
+    pub fn factor(
+        &self,
+        (problem, factor): (&Compliance, &ComplianceFactor),
+        changed: &Compliance,
+    ) -> Result<ComplianceFactor, KktError> {
+        let size = self.border.len();
+        let mut difference = -&self.present;
+        let slack = |problem: &Compliance, row: usize| {
+            let weight = problem.rows[row].weight.map_or(0.0, f64::recip);
+            weight * problem.scales[row] * problem.scales[row] / problem.unit
+        };
+        for (place, row) in self.rows.iter().enumerate() {
+            difference[(place, place)] += slack(changed, *row) - slack(problem, *row);
+        }
+        for piece in changed.first_pieces[self.path]..changed.first_pieces[self.path + 1] {
+            let first = changed.layout.similarities[piece]
+                - changed.layout.similarities[changed.first_pieces[self.path]];
+            difference += self.entries(changed, &changed.loads[piece], first);
+        }
+        let difference = difference.view((0, 0), (size, size)).into_owned();
+        let inverse = self.inverse.view((0, 0), (size, size));
+        let exchange = Exchange::new(
+            self.border.clone(),
+            Arc::clone(&self.columns),
+            (&inverse.into_owned(), difference),
+        );
+        Ok(factor.exchanged(exchange.ok_or(KktError::Singular)?))
     }
 
     /// Energy of springs and soft rows if the path were `change`, and all else as `bent` was solved for `targets`.

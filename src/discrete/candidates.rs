@@ -10,7 +10,7 @@ use crate::discrete::remap::Protected;
 use crate::discrete::settings::DiscreteSettings;
 use crate::graph::MotionGraph;
 use crate::index::{CharacterId, FrameIndex, GraphFrame};
-use crate::track::{Keep, Splice, Stretch, Track};
+use crate::track::{Keep, Run, Splice, Stretch, Track};
 
 /// A splice that could happen.
 #[derive(Clone, Debug, PartialEq)]
@@ -230,13 +230,15 @@ impl<'a> Frames<'a> {
 
 /// Whether every run of the track after `splice` is long enough to blend, but for those that were shorter before.
 fn leaves_room(track: &Track, splice: &Splice, shortest: usize) -> bool {
-    let short = |track: &Track| {
-        let last = track.runs.len() - 1;
+    let short = |counts: &[usize]| {
+        let last = counts.len() - 1;
         // Between two seams there are two blends.
         let least = |index: usize| if index == 0 || index == last { shortest } else { 2 * shortest };
-        track.runs.iter().enumerate().filter(|(index, run)| run.frame_count() < least(*index)).count()
+        counts.iter().enumerate().filter(|(index, count)| **count < least(*index)).count()
     };
-    short(&track.spliced(splice)) <= short(track)
+    let before: Vec<usize> = track.runs.iter().map(Run::frame_count).collect();
+    let after: Vec<usize> = track.shown_after(splice).iter().map(Stretch::frame_count).collect();
+    short(&after) <= short(&before)
 }
 
 /// Of candidates that give the same sequence of frames with the same moments, the one with the nearest frames.
@@ -259,9 +261,8 @@ fn one_per_sequence(seen: &Seen<'_>, found: Vec<Candidate>) -> Vec<Candidate> {
 
 /// Clip, first and last frame of each stretch that the track shows after `splice`.
 fn sequence(seen: &Seen<'_>, splice: &Splice) -> Vec<u64> {
-    let track = seen.track.spliced(splice);
     let mut stretches: Vec<[u64; 3]> = Vec::new();
-    for run in &track.runs {
+    for run in seen.track.shown_after(splice) {
         let own = [seen.clips[run.entry] as u64, u64::from(run.first.0), u64::from(run.last.0)];
         match stretches.last_mut() {
             Some(before) if before[0] == own[0] && before[2] + 1 == own[1] => before[2] = own[2],

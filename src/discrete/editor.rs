@@ -2,6 +2,8 @@
 //!
 //! Source: Kim et al. 2009, §5 and Algorithm 1, with the energy of [`crate::edit::energy`].
 
+mod choice;
+
 use std::sync::{Arc, OnceLock};
 
 use rayon::prelude::*;
@@ -9,15 +11,15 @@ use rayon::prelude::*;
 use crate::clip::working::{WORKING_STEP, WorkingClip};
 use crate::constraint::{ChangeKind, ConstraintKind, Evaluator};
 use crate::discrete::candidates::{Candidate, Seen, candidates};
-use crate::discrete::choose::{Offer, Weighed, choose};
+use crate::discrete::choose::worth;
 use crate::discrete::outcome::{Outcome, TrackChanges};
 use crate::discrete::remap::{Protected, bound, protected, spliced};
 use crate::discrete::settings::DiscreteSettings;
 use crate::discrete::tracks::{copies, open, rest_angles, turns};
-use crate::discrete::weighing::{Proposal, Weighing};
+use crate::discrete::weighing::Proposal;
 use crate::edit::energy::{Energy, length};
 use crate::edit::expand::capture;
-use crate::edit::{Edit, EditError, Editor, Target};
+use crate::edit::{Edit, EditError, Editor, GroupResponse, Target};
 use crate::graph::MotionGraph;
 use crate::index::{CharacterId, ConstraintId};
 use crate::scene::{Character, Scene};
@@ -71,6 +73,8 @@ pub struct DiscreteEditor {
     log: Vec<LogEntry>,
     /// Of each character; `None` where the track has changed since.
     proposals: Vec<Option<Vec<Proposal>>>,
+    /// Of each character, since systems were last factored.
+    responses: Vec<OnceLock<Option<GroupResponse>>>,
 }
 
 /// A candidate, and what is known of it.
@@ -80,6 +84,8 @@ pub struct Appraisal {
     pub candidate: Candidate,
     /// Ê is at least this.
     pub bound: f64,
+    /// Its Ê as the present factorisations tell it; `None` where they do not.
+    pub estimate: Option<f64>,
     /// Its Ê; `None` where it cannot be solved.
     pub energy: Option<f64>,
 }
@@ -108,9 +114,10 @@ impl DiscreteEditor {
             seen.push(character.track.clips.iter().filter_map(place).collect());
         }
         let proposals = scene.characters.iter().map(|_| None).collect();
-        let editor = Editor::new(scene)?;
+        let responses = scene.characters.iter().map(|_| OnceLock::new()).collect();
+        let editor = Editor::of(scene, settings.backend)?;
         let log = Vec::new();
-        Ok(Self { original, editor, graph, clips: seen, rest_angles, settings, log, proposals })
+        Ok(Self { original, editor, graph, clips: seen, rest_angles, settings, log, proposals, responses })
     }
 
     /// The scene as it is now: tracks and targets.
@@ -133,6 +140,10 @@ impl DiscreteEditor {
     /// # Errors
     /// As there.
     pub fn move_target(&mut self, constraint: ConstraintId, target: Target) -> Result<(), EditError> {
+        if !matches!(target, Target::Position(_) | Target::Seconds(_)) {
+            // An offset between characters is a coefficient of its row.
+            self.forget_systems();
+        }
         self.editor.move_target(constraint, target)
     }
 
@@ -145,51 +156,44 @@ impl DiscreteEditor {
         self.editor.solve()?;
         let before = self.energy().total;
         self.propose();
-        let Some((candidate, energy)) = self.choose(before) else { return Ok(false) };
+        let Some(candidate) = self.choose(before) else { return Ok(false) };
+        let taken = self.take(&candidate, (before, occasion));
+        if taken || self.settings.evaluator == Evaluator::Subsampled {
+            return Ok(taken);
+        }
+        // What the present factorisations told did not come true.
+        let Some(candidate) = self.choose_weighed(before) else { return Ok(false) };
+        Ok(self.take(&candidate, (before, occasion)))
+    }
+
+    /// Makes a change if it is worth it; whether it was made.
+    fn take(&mut self, candidate: &Candidate, (before, occasion): (f64, Occasion)) -> bool {
         let Candidate { character, splice, keep, kind, interval, .. } = candidate;
         let track = &self.editor.scene().characters[character.as_usize()].track;
         let (count, changed) = (track.frame_count(), splice.new_count(track.frame_count()));
-        let at = self.place(character, interval.0);
-        let scene = spliced(self.editor.scene(), character, &splice, keep)
-            .expect("a candidate keeps every moment, which its energy has shown");
-        self.editor = Editor::new(scene)?;
-        self.editor.solve()?;
-        self.forget(character);
+        let at = self.place(*character, interval.0);
+        let Some(scene) = spliced(self.editor.scene(), *character, splice, *keep) else { return false };
+        let Ok(mut next) = Editor::of(scene, self.settings.backend) else { return false };
+        if next.solve().is_err() {
+            return false;
+        }
+        let before_it = std::mem::replace(&mut self.editor, next);
+        let energy = self.energy().total;
+        if energy >= worth(before, &self.settings) {
+            self.editor = before_it;
+            return false;
+        }
+        self.forget(*character);
         self.log.push(LogEntry {
-            character,
-            kind,
+            character: *character,
+            kind: *kind,
             at,
-            interval,
+            interval: *interval,
             frames: gained(count, changed),
             occasion,
             energy: (before, energy),
         });
-        Ok(true)
-    }
-
-    fn weighing(&self) -> Weighing<'_> {
-        let tracks = self.editor.scene().characters.iter().map(|character| &character.track);
-        let turned = tracks.zip(&self.rest_angles).map(|(track, angles)| turns(track, angles)).collect();
-        Weighing::new(&self.editor, turned, self.settings.turn_weight)
-    }
-
-    /// The candidate to take and its Ê, if one is worth it.
-    fn choose(&self, before: f64) -> Option<(Candidate, f64)> {
-        let weighing = self.weighing();
-        let all: Vec<&Proposal> = self.proposals.iter().flatten().flatten().collect();
-        let offer = |proposal: &&Proposal| Offer {
-            copies: proposal.copies,
-            distance: proposal.candidate.distance,
-            bound: weighing.first_bound(proposal),
-        };
-        let offers: Vec<Offer> = all.iter().map(offer).collect();
-        let bound = |place: usize| weighing.bound(all[place]);
-        let energy = |place: usize| match self.settings.evaluator {
-            Evaluator::Exact => weighing.energy(all[place]),
-            Evaluator::BruteForce => self.weigh(&all[place].candidate),
-        };
-        let Weighed { place, energy } = choose(offers, before, (bound, energy), &self.settings)?;
-        Some((all[place].candidate.clone(), energy))
+        true
     }
 
     /// Updates with unchanged targets until nothing is worth it; how many changes were made. It ends: each lowers Ê.
@@ -272,20 +276,26 @@ impl DiscreteEditor {
         let scene = spliced(self.editor.scene(), candidate.character, &candidate.splice, candidate.keep)?;
         let turned: f64 =
             scene.characters.iter().zip(&self.rest_angles).map(|(c, angles)| turns(&c.track, angles)).sum();
-        let mut editor = Editor::new(scene).ok()?;
+        let mut editor = Editor::of(scene, self.settings.backend).ok()?;
         let energy = editor.solve().ok()?.energy;
         Some(energy.with_turns(self.settings.turn_weight * turned).total)
+    }
+
+    /// How many candidates there are. Cost: that of finding those of tracks that have changed.
+    pub fn candidates(&mut self) -> usize {
+        self.propose();
+        self.known().len()
     }
 
     /// All candidates for the targets of the last solve, each with its lower bound and its Ê, in the order of their
     /// characters. Cost: that of weighing all.
     pub fn appraise(&mut self) -> Vec<Appraisal> {
         self.propose();
-        let weighing = self.weighing();
-        let all: Vec<&Proposal> = self.proposals.iter().flatten().flatten().collect();
+        let (weighing, all) = (self.weighing(), self.known());
         let appraisal = |proposal: &&Proposal| Appraisal {
             candidate: proposal.candidate.clone(),
             bound: weighing.bound(proposal),
+            estimate: weighing.estimate(proposal, 0.0, f64::INFINITY),
             energy: weighing.energy(proposal),
         };
         all.par_iter().map(appraisal).collect()
@@ -304,7 +314,7 @@ impl DiscreteEditor {
                 let after = track.spliced(&candidate.splice);
                 let (turned, copies) =
                     (turns(&after, &self.rest_angles[who]), copies(&after, &self.clips[who]));
-                Proposal { candidate, turned, copies, variant: OnceLock::new() }
+                Proposal::new(candidate, turned, copies)
             };
             found.into_iter().map(proposal).collect()
         };
@@ -314,8 +324,17 @@ impl DiscreteEditor {
         }
     }
 
+    /// Forgets what holds for the systems as they were factored only.
+    fn forget_systems(&mut self) {
+        self.responses.iter_mut().for_each(|known| *known = OnceLock::new());
+        for proposal in self.proposals.iter_mut().flatten().flatten() {
+            proposal.exchange = OnceLock::new();
+        }
+    }
+
     /// Forgets what was found for the track of `character`, and what its partners' candidates read of it.
     fn forget(&mut self, character: CharacterId) {
+        self.forget_systems();
         self.proposals[character.as_usize()] = None;
         let names = |kind: &ConstraintKind| kind.moments().iter().any(|moment| moment.character == character);
         let tied = self.editor.scene().constraints.iter().filter(|constraint| names(&constraint.kind));

@@ -3,6 +3,7 @@
 use std::ops::RangeInclusive;
 
 use crate::constraint::{ChangeKind, Evaluator};
+use crate::edit::Backend;
 use crate::scene::{Mode, Scene};
 
 /// Settings of discrete editing.
@@ -34,6 +35,8 @@ pub struct DiscreteSettings {
     pub turn_weight: f64,
     /// How candidates are weighed.
     pub evaluator: Evaluator,
+    /// Which solver solves all frames.
+    pub backend: Backend,
 }
 
 impl DiscreteSettings {
@@ -52,6 +55,7 @@ impl DiscreteSettings {
             near_tie: 0.03,
             turn_weight: 0.05,
             evaluator: Evaluator::default(),
+            backend: Backend::default(),
         };
         match mode {
             Mode::Production => production,

@@ -3,14 +3,11 @@
 use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
-use cotillion_solvers::PathResponse;
-
 use crate::discrete::candidates::Candidate;
 use crate::discrete::remap::spliced;
-use crate::edit::{Editor, Timing, Variant};
+use crate::edit::{Editor, Exchange, GroupResponse, Timing, Variant, WhatIf};
 
 /// A candidate with what stays known of it until its track, or what it is tied to, changes.
-#[derive(Debug)]
 pub struct Proposal {
     /// What would happen.
     pub candidate: Candidate,
@@ -20,6 +17,29 @@ pub struct Proposal {
     pub copies: usize,
     /// The track it leads to, once asked for; `None` where a moment is torn apart.
     pub variant: OnceLock<Option<Variant>>,
+    /// The group with that track, since systems were last factored; `None` where these do not tell.
+    pub exchange: OnceLock<Option<Mutex<Exchange>>>,
+    /// Ê when it was last estimated.
+    last: Mutex<Option<f64>>,
+}
+
+impl Proposal {
+    /// Nothing else is known of it yet.
+    pub fn new(candidate: Candidate, turned: f64, copies: usize) -> Self {
+        Self {
+            candidate,
+            turned,
+            copies,
+            variant: OnceLock::new(),
+            exchange: OnceLock::new(),
+            last: Mutex::default(),
+        }
+    }
+
+    /// Ê when it was last estimated, in an earlier update.
+    pub fn last(&self) -> Option<f64> {
+        *self.last.lock().unwrap_or_else(PoisonError::into_inner)
+    }
 }
 
 /// Solved times by what they depend on; `None` where there are none.
@@ -31,21 +51,35 @@ pub struct Weighing<'a> {
     turn_weight: f64,
     /// Present sum of the turns at seams of each character, radians.
     turned: Vec<f64>,
-    /// Of each character: least energy of all that its changes leave alone, and how its path answers to them.
+    /// Of each character: least energy of all that its changes leave alone, and how its group answers to them.
     others: Vec<OnceLock<f64>>,
-    responses: Vec<OnceLock<Option<PathResponse>>>,
+    responses: &'a [OnceLock<Option<GroupResponse>>],
     timings: Mutex<Timings>,
+    /// Whether there is room to keep exchanged groups from update to update.
+    keeps: bool,
 }
 
+/// Exchanged groups are kept up to about so many frames of all of them, each a few hundred bytes.
+const MOST_FRAMES_KEPT: usize = 500_000;
+
 impl<'a> Weighing<'a> {
-    /// Weighs changes of what `editor` has just solved. `turned`: sum of the turns at seams of each character, radians.
-    pub fn new(editor: &'a Editor, turned: Vec<f64>, turn_weight: f64) -> Self {
+    /// Weighs changes of what `editor` has just solved. `responses`: room for that of each character, or what is known of
+    /// them since systems were last factored. `turned`: sum of the turns at seams of each character, radians. `candidates`:
+    /// how many there are to weigh.
+    pub fn new(
+        (editor, responses): (&'a Editor, &'a [OnceLock<Option<GroupResponse>>]),
+        turned: Vec<f64>,
+        turn_weight: f64,
+        candidates: usize,
+    ) -> Self {
+        let frames: usize = editor.edit().characters.iter().map(|own| own.times.len()).sum();
         Self {
             editor,
             turn_weight,
             others: turned.iter().map(|_| OnceLock::new()).collect(),
-            responses: turned.iter().map(|_| OnceLock::new()).collect(),
+            responses,
             timings: Mutex::default(),
+            keeps: frames.saturating_mul(candidates) <= MOST_FRAMES_KEPT,
             turned,
         }
     }
@@ -62,9 +96,50 @@ impl<'a> Weighing<'a> {
         let Some(variant) = self.variant(proposal) else { return f64::INFINITY };
         let timing = self.timing(variant);
         let Some(timing) = timing.get().and_then(Option::as_ref) else { return f64::INFINITY };
+        self.editor.energy_bound(variant, timing) + self.turns(proposal)
+    }
+
+    /// Ê to rounding; `None` where only solving anew tells. `bound`: what it is at least. What comes to more than `most` may be
+    /// infinite.
+    pub fn estimate(&self, proposal: &Proposal, bound: f64, most: f64) -> Option<f64> {
+        let variant = self.variant(proposal)?;
+        let timing = self.timing(variant);
+        let timing = timing.get()?.as_ref()?;
         let who = proposal.candidate.character;
-        let response = self.responses[who.as_usize()].get_or_init(|| self.editor.response(who));
-        self.editor.energy_bound(variant, timing, response.as_ref()) + self.turns(proposal)
+        let response = self.responses[who.as_usize()].get_or_init(|| self.editor.response(who)).as_ref()?;
+        let make = || self.editor.exchange(variant, response);
+        let estimate = |exchange: &mut Exchange| {
+            self.editor.energy_if((variant, timing), (exchange, response), most - bound)
+        };
+        let told = if self.keeps {
+            let kept = proposal.exchange.get_or_init(|| make().map(Mutex::new)).as_ref()?;
+            estimate(&mut kept.lock().unwrap_or_else(PoisonError::into_inner))?
+        } else {
+            estimate(&mut make()?)?
+        };
+        match told {
+            WhatIf::Energy(energy) => {
+                let total = energy.with_turns(self.turns(proposal)).total;
+                *proposal.last.lock().unwrap_or_else(PoisonError::into_inner) = Some(total);
+                Some(total)
+            }
+            WhatIf::TooMuch => Some(f64::INFINITY),
+        }
+    }
+
+    /// Ê by the published estimate; `marked`: frames of each present track that any change joins. Where objects move, Ê.
+    pub fn sampled(&self, proposal: &Proposal, marked: &[Vec<usize>]) -> Option<f64> {
+        if !self.editor.is_separable() {
+            return self.energy(proposal);
+        }
+        let Candidate { character, splice, keep, .. } = &proposal.candidate;
+        let variant = self.variant(proposal)?;
+        let timing = self.timing(variant);
+        let mut marked = marked.to_vec();
+        let own = &mut marked[character.as_usize()];
+        *own = own.iter().filter_map(|frame| splice.map(*frame, *keep)).collect();
+        let energy = self.editor.energy_sampled(variant, timing.get()?.as_ref()?, &marked).ok()?;
+        Some(energy.with_turns(self.turns(proposal)).total)
     }
 
     /// Ê; `None` where there is no solution. Solves the groups that the character is in; all where objects move.

@@ -56,7 +56,13 @@ pub fn is_irreducible(rests: &[RestPath], rows: &[&Prepared], relative: Relative
     let runs = |path: usize| (0..rests[path].rigid.len()).map(move |run| (path, run));
     let released: Vec<(usize, usize)> = (0..rests.len()).flat_map(runs).collect();
     let terms: Vec<_> = rows.iter().map(|prepared| prepared.terms(Phase::Shape, relative, &counts)).collect();
-    let freedom = Freedom { paths: rests, phase: Phase::Scale, runs: RunMode::Similar, released: &released };
+    let freedom = Freedom {
+        paths: rests,
+        phase: Phase::Scale,
+        runs: RunMode::Similar,
+        released: &released,
+        samplings: &[],
+    };
     let columns = Columns::touched(freedom, terms.iter().map(Vec::as_slice));
     let mut matrix = RowMatrix::new(columns.count);
     for own in &terms {

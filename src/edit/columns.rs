@@ -1,6 +1,7 @@
 //! Unknowns of the spatial systems: one per free frame, two per stationary stretch, one per repeated point.
 
 use crate::edit::hold::{Phase, Term};
+use crate::edit::sampling::Sampling;
 use crate::edit::settings::RunMode;
 use crate::geometry::c64;
 use crate::path::{COINCIDENT, RestPath};
@@ -41,6 +42,8 @@ pub struct Freedom<'a> {
     pub runs: RunMode,
     /// Stretches, by path and position, that lost their rigidity; rising.
     pub released: &'a [(usize, usize)],
+    /// Of each path that has fewer frames than it is performed in; empty where none has.
+    pub samplings: &'a [Sampling],
 }
 
 impl<'a> Freedom<'a> {

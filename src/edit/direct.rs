@@ -6,7 +6,7 @@ use crate::edit::columns::{Columns, Freedom};
 use crate::edit::gauge;
 use crate::edit::hold::{Phase, Term};
 use crate::edit::settings::{RunMode, SpatialSettings};
-use crate::edit::springs::{RELEASED_WEIGHT, shape_spring};
+use crate::edit::springs::{RELEASED_WEIGHT, ShapeSpring, shape_spring};
 use crate::geometry::c64;
 use crate::path::RestPath;
 
@@ -134,9 +134,18 @@ fn push_interior_rows(
             Some(_) => continue,
             None => 1.0,
         };
+        let sampling = freedom.samplings.get(path);
         let row = match freedom.phase {
-            Phase::Shape => shape_row(rest, frame, settings),
-            Phase::Scale => Some(scale_row(frame)),
+            Phase::Shape => {
+                let known = sampling.map(|sampling| sampling.compliances[frame]).filter(|known| *known > 0.0);
+                shape_spring(rest, frame, settings).map(|spring| shape_row(rest, (frame, spring), known))
+            }
+            Phase::Scale => {
+                let still =
+                    |step: usize| freedom.kept_runs(path).any(|(first, last)| first <= step && step < last);
+                let span = |step: usize| sampling.filter(|_| !still(step)).map_or(1.0, |own| own.span(step));
+                Some(scale_row(frame, (span(frame - 1), span(frame))))
+            }
         };
         if let Some((frames, coefficients)) = row {
             let factor = weight.sqrt();
@@ -149,23 +158,26 @@ fn push_interior_rows(
 /// Three frames and their coefficients.
 type InteriorRow = ([usize; 3], [c64; 3]);
 
-fn scale_row(frame: usize) -> InteriorRow {
-    let one = c64::new(1.0, 0.0);
-    ([frame - 1, frame, frame + 1], [one, -2.0 * one, one])
+/// Differences per frame; `spans`: frames before and after.
+fn scale_row(frame: usize, spans: (f64, f64)) -> InteriorRow {
+    let root = (2.0 / (spans.0 + spans.1)).sqrt();
+    let (before, after) = (c64::new(root / spans.0, 0.0), c64::new(root / spans.1, 0.0));
+    ([frame - 1, frame, frame + 1], [before, -(before + after), after])
 }
 
-fn shape_row(path: &RestPath, frame: usize, settings: &SpatialSettings) -> Option<InteriorRow> {
-    let spring = shape_spring(path, frame, settings)?;
+/// `compliance`: in place of that of the spring.
+fn shape_row(path: &RestPath, (frame, spring): (usize, ShapeSpring), compliance: Option<f64>) -> InteriorRow {
+    let stiffness = compliance.map_or(spring.stiffness, f64::recip);
     let points = &path.positions;
     let frames = [spring.before, frame, spring.next];
     let (before, after) = (points[frame] - points[spring.before], points[spring.next] - points[frame]);
-    if spring.free <= spring.stiffness {
+    if spring.free <= stiffness {
         let c = before / (points[spring.next] - points[spring.before]);
-        let factor = (spring.stiffness / spring.free).sqrt();
+        let factor = (stiffness / spring.free).sqrt();
         let one = c64::new(1.0, 0.0);
-        return Some((frames, [(c - one) * factor, one * factor, -c * factor]));
+        return (frames, [(c - one) * factor, one * factor, -c * factor]);
     }
-    let root = spring.stiffness.sqrt();
+    let root = stiffness.sqrt();
     let (b, a) = (root / before, root / after);
-    Some((frames, [b, -(b + a), a]))
+    (frames, [b, -(b + a), a])
 }

@@ -1,6 +1,7 @@
 //! The editor: built once per set of constraints, solved many times while targets move.
 
 mod moving;
+mod sampled;
 mod variant;
 
 use std::ops::Range;
@@ -26,7 +27,7 @@ use crate::scene::{Mode, Scene};
 
 use crate::clip::working::WORKING_STEP;
 
-pub use variant::{Timing, Variant};
+pub use variant::{Exchange, Timing, Variant, WhatIf};
 
 /// Default bounds on time steps in production mode, as multiples of the rest step.
 const DEFAULT_BOUNDS: StepBounds = StepBounds { min: 0.5, max: 2.0 };
@@ -73,7 +74,15 @@ impl Editor {
     /// # Errors
     /// [`EditError::Solver`] where a system cannot be factored.
     pub fn new(scene: Scene) -> Result<Self, EditError> {
-        let mut editor = Self::assemble(scene, Backend::default());
+        Self::of(scene, Backend::default())
+    }
+
+    /// The same with a solver of one's choice.
+    ///
+    /// # Errors
+    /// As [`Editor::new`].
+    pub fn of(scene: Scene, backend: Backend) -> Result<Self, EditError> {
+        let mut editor = Self::assemble(scene, backend);
         editor.factor()?;
         Ok(editor)
     }

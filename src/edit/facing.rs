@@ -62,7 +62,7 @@ impl Turns {
 }
 
 /// The body on one path after the edit, with the storage of its solves.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub struct Body {
     /// Where it looks.
     pub turns: Turns,

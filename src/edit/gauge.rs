@@ -12,13 +12,18 @@ use crate::geometry::c64;
 use crate::path::{COINCIDENT, RestPath};
 
 /// Orthonormal motions of one path that its rows do not see: by motion, then frame.
-fn invisible_motions(path: &RestPath, phase: Phase, fixed_slope: bool) -> Vec<Vec<c64>> {
+fn invisible_motions(
+    path: &RestPath,
+    phase: Phase,
+    fixed_slope: bool,
+    frame_of: impl Fn(usize) -> usize,
+) -> Vec<Vec<c64>> {
     let count = path.len();
     let shift = vec![c64::new(1.0 / (count as f64).sqrt(), 0.0); count];
     let raw: Vec<c64> = match phase {
         Phase::Shape => path.positions.clone(),
         Phase::Scale if fixed_slope => return vec![shift],
-        Phase::Scale => (0..count).map(|frame| c64::new(frame as f64, 0.0)).collect(),
+        Phase::Scale => (0..count).map(|frame| c64::new(frame_of(frame) as f64, 0.0)).collect(),
     };
     let centre = raw.iter().sum::<c64>() / count as f64;
     let centred: Vec<c64> = raw.iter().map(|p| p - centre).collect();
@@ -38,7 +43,9 @@ pub fn rows(freedom: Freedom, held: &[PointRow<c64>]) -> Vec<Vec<Term>> {
     let mut groups = vec![0];
     for (index, path) in freedom.paths.iter().enumerate() {
         let fixed_slope = freedom.kept_runs(index).next().is_some() && freedom.runs == RunMode::Rigid;
-        for motion in invisible_motions(path, freedom.phase, fixed_slope) {
+        let sampling = freedom.samplings.get(index);
+        let frame_of = |frame: usize| sampling.map_or(frame, |sampling| sampling.frames[frame]);
+        for motion in invisible_motions(path, freedom.phase, fixed_slope, frame_of) {
             motions.push((index, motion));
         }
         groups.push(motions.len());

@@ -3,7 +3,7 @@
 //! Unknown are deviations from a reference path that satisfies all interior rows, so that only held rows have targets: what
 //! they miss on the reference.
 
-use cotillion_solvers::{Change, Dependency, KktError, PathResponse, PointRow, RowMatrix, analyse_rank};
+use cotillion_solvers::{Dependency, KktError, PathResponse, PointRow, RowMatrix, analyse_rank};
 
 use crate::constraint::Strength;
 use crate::edit::columns::{Columns, Freedom};
@@ -17,10 +17,13 @@ use crate::path::RestPath;
 /// Dependent hard rows agree if they miss by no more than this, relative to the larger of 1 m and their targets.
 const AGREEMENT: f64 = 1e-9;
 
+/// A held row that binds in a phase, by position in the list of held rows, and its left side.
+type BoundRow = (usize, PointRow<c64>);
+
 /// One phase with the storage of its solves.
 pub struct PhaseSolver {
     /// Held rows that bind in this phase: by position in the list of held rows, left side.
-    rows: Vec<(usize, PointRow<c64>)>,
+    rows: Vec<BoundRow>,
     /// Positions in `rows` of the hard ones.
     hard: Vec<usize>,
     /// Combinations of hard rows, by position in `hard`, that vanish.
@@ -70,6 +73,23 @@ impl PhaseSolver {
             dependent,
             kept,
             kept_rows,
+        }
+    }
+
+    /// Of no rows: room for one that may not be needed.
+    pub fn none() -> Self {
+        Self {
+            rows: Vec::new(),
+            hard: Vec::new(),
+            dependent: Vec::new(),
+            kept: Vec::new(),
+            kept_rows: Vec::new(),
+            deviations: Vec::new(),
+            hard_deviations: Vec::new(),
+            kept_deviations: Vec::new(),
+            reduced: None,
+            direct: None,
+            answer: Backend::Direct,
         }
     }
 
@@ -163,22 +183,41 @@ impl PhaseSolver {
         }
     }
 
-    /// How path `path` answers to changes of itself; `None` where the present solution is not of the reduced system, or
-    /// motions are free.
+    /// How path `path` answers to changes of itself; `None` where there is no reduced system, or motions are free.
     pub fn response(&self, path: usize) -> Option<PathResponse> {
-        self.reduced.as_ref().filter(|_| self.answer == Backend::Reduced)?.response(path)
+        self.reduced.as_ref()?.response(path)
     }
 
-    /// Held row behind row `row` of the system, by position in the list of held rows, and the row.
-    pub fn row(&self, row: usize) -> (usize, &PointRow<c64>) {
-        let (held, row) = &self.rows[self.kept[row]];
-        (*held, row)
-    }
-
-    /// Energy of interior and soft held rows if one path were another; `None` where that is singular. `response`: of this
-    /// system.
-    pub fn energy_if(&self, response: &PathResponse, change: &Change<'_>) -> Option<f64> {
-        self.reduced.as_ref()?.energy_if(response, change)
+    /// The same with another path `path`, that of `freedom`, and the rows `held` on it, factored by an update; `None` where
+    /// more would change than that path. `response`: of the path in this system.
+    pub fn exchanged(
+        &self,
+        (path, freedom): (usize, Freedom),
+        held: &[Prepared],
+        settings: &SpatialSettings,
+        response: &PathResponse,
+    ) -> Option<Self> {
+        let reduced = self.reduced.as_ref().filter(|_| self.dependent.is_empty())?;
+        let rows = bound_rows(freedom, held, settings);
+        let stays = |(new, old): (&BoundRow, &BoundRow)| new.0 == old.0 && differ_on(path, &new.1, &old.1);
+        if rows.len() != self.rows.len() || !rows.iter().zip(&self.rows).all(stays) {
+            return None;
+        }
+        let kept_rows: Vec<PointRow<c64>> = rows.iter().map(|(_, row)| row.clone()).collect();
+        let reduced = reduced.exchanged((path, freedom), &kept_rows, settings, response)?;
+        Some(Self {
+            rows,
+            hard: self.hard.clone(),
+            dependent: Vec::new(),
+            kept: self.kept.clone(),
+            kept_rows,
+            deviations: self.deviations.clone(),
+            hard_deviations: self.hard_deviations.clone(),
+            kept_deviations: self.kept_deviations.clone(),
+            reduced: Some(reduced),
+            direct: None,
+            answer: Backend::Reduced,
+        })
     }
 
     /// Number of free motions that are fixed as at rest.
@@ -188,12 +227,26 @@ impl PhaseSolver {
     }
 }
 
+/// Coefficients and weights are the same if they differ by no more than this, relative to the larger.
+const SAME: f64 = 1e-12;
+
+/// Whether two rows are the same but for their terms on path `path` and their weight if they have any there.
+fn differ_on(path: usize, new: &PointRow<c64>, old: &PointRow<c64>) -> bool {
+    let own = |term: &&Term| term.0 == path;
+    let touches = |row: &PointRow<c64>| row.terms.iter().any(|term| own(&term));
+    let equally_strong = match (new.weight, old.weight) {
+        (Some(_), Some(_)) if touches(new) && touches(old) => true,
+        (new, old) => new == old,
+    };
+    let elsewhere =
+        |row: &PointRow<c64>| row.terms.iter().filter(|term| !own(term)).copied().collect::<Vec<_>>();
+    let (new, old) = (elsewhere(new), elsewhere(old));
+    let same = |(a, b): (&Term, &Term)| (a.0, a.1) == (b.0, b.1) && (a.2 - b.2).norm() <= SAME * b.2.norm();
+    equally_strong && new.len() == old.len() && new.iter().zip(&old).all(same)
+}
+
 /// Held rows that bind in this phase.
-fn bound_rows(
-    freedom: Freedom,
-    held: &[Prepared],
-    settings: &SpatialSettings,
-) -> Vec<(usize, PointRow<c64>)> {
+fn bound_rows(freedom: Freedom, held: &[Prepared], settings: &SpatialSettings) -> Vec<BoundRow> {
     let counts: Vec<usize> = freedom.paths.iter().map(RestPath::len).collect();
     let rigid = settings.runs == RunMode::Rigid;
     let bound = held.iter().enumerate().filter(|(_, prepared)| prepared.binds(freedom.phase, rigid));

@@ -1,7 +1,7 @@
 //! One phase reduced exactly to its held rows: paths as springs.
 
 use cotillion_solvers::{
-    Bent, Change, Compliance, ComplianceAnalysis, ComplianceFactor, KktError, PathResponse, PointRow,
+    Bent, Compliance, ComplianceAnalysis, ComplianceFactor, KktError, PathResponse, PointRow,
 };
 use rayon::prelude::*;
 
@@ -17,6 +17,8 @@ pub struct ReducedPhase {
     factor: Option<(ComplianceFactor, Bent)>,
     /// Of held rows, then of rigid stretches, which are 0.
     targets: Vec<c64>,
+    /// Ten digits are enough.
+    rough: bool,
 }
 
 impl ReducedPhase {
@@ -31,7 +33,13 @@ impl ReducedPhase {
         let mut all = rows.to_vec();
         all.extend(run_rows(freedom));
         let targets = vec![c64::default(); all.len()];
-        Some(Self { problem: Compliance::new(paths, all), analysis: None, factor: None, targets })
+        Some(Self {
+            problem: Compliance::new(paths, all),
+            analysis: None,
+            factor: None,
+            targets,
+            rough: false,
+        })
     }
 
     /// Factors the system unless that is done.
@@ -68,7 +76,11 @@ impl ReducedPhase {
     pub fn solve(&mut self, targets: &[c64]) -> bool {
         self.targets[..targets.len()].copy_from_slice(targets);
         let Some((factor, bent)) = &mut self.factor else { return false };
-        bent.solve(&self.problem, factor, &self.targets).is_ok() && bent.settled()
+        let solved = match self.rough {
+            true => bent.estimate(&self.problem, factor, &self.targets),
+            false => bent.solve(&self.problem, factor, &self.targets),
+        };
+        solved.is_ok() && bent.settled()
     }
 
     /// Calls `visit` with every frame of a path and its deviation.
@@ -91,10 +103,23 @@ impl ReducedPhase {
         Some(PathResponse::new(&self.problem, factor, path))
     }
 
-    /// Energy of springs and soft rows if one path were another; `None` where that system is singular.
-    pub fn energy_if(&self, response: &PathResponse, change: &Change<'_>) -> Option<f64> {
-        let (_, bent) = self.factor.as_ref()?;
-        response.energy(&self.problem, (bent, &self.targets), change).ok()
+    /// The same with other springs for path `path`, those of `freedom`, and other terms and weights of the rows on it;
+    /// `None` where that has other unknowns or is singular. `response`: of the path.
+    pub fn exchanged(
+        &self,
+        (path, freedom): (usize, Freedom),
+        rows: &[PointRow<c64>],
+        settings: &SpatialSettings,
+        response: &PathResponse,
+    ) -> Option<Self> {
+        let (factor, _) = self.factor.as_ref()?;
+        let mut all = rows.to_vec();
+        all.extend(run_rows(freedom));
+        let targets = vec![c64::default(); all.len()];
+        let problem = self.problem.with_path(path, spring_path(freedom, path, settings)?, all)?;
+        let factor = response.factor((&self.problem, factor), &problem).ok()?;
+        let bent = Bent::new(&problem, &factor);
+        Some(Self { problem, analysis: None, factor: Some((factor, bent)), targets, rough: true })
     }
 
     /// Free motions fixed as at rest.

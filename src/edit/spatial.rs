@@ -4,22 +4,24 @@
 //! right-hand sides, substitutions and one pass over the frames. Source: Kim et al. 2009, §4.1–4.2, in the forms that
 //! the module docs of `springs`, `hold` and `reference` give.
 
-mod changed;
+mod rotations;
 
 use cotillion_solvers::KktError;
 
-use crate::edit::bodies::{first_disagreement, leave_to_the_body, spread_still_rotations};
+use crate::edit::bodies::leave_to_the_body;
 use crate::edit::clash::{self, Miss};
 use crate::edit::columns::Freedom;
 use crate::edit::direction::{Direction, run_chord};
+use crate::edit::energy::length;
 use crate::edit::facing::{Body, hold_facings};
-use crate::edit::hold::{Hold, Phase, Prepared, Rotations};
+use crate::edit::hold::{Phase, Prepared, Rotations};
 use crate::edit::parallel::for_each_path;
 use crate::edit::phase::PhaseSolver;
 use crate::edit::reference::reference_translations;
+use crate::edit::sampling::Sampling;
 use crate::edit::settings::{Backend, FacingMode, SpatialSettings};
 use crate::edit::turned::TurnedPath;
-use crate::geometry::{c64, cis};
+use crate::geometry::c64;
 use crate::index::ConstraintId;
 use crate::path::{RestPath, RestSegments};
 
@@ -57,6 +59,8 @@ pub type Runs = Vec<(usize, usize)>;
 pub struct SpatialComponent {
     /// Rest paths.
     pub rests: Vec<RestPath>,
+    /// Which frames these are; empty: all.
+    pub(super) samplings: Vec<Sampling>,
     /// Held rows; places name paths of this component. Targets may change, structure may not.
     pub held: Vec<Prepared>,
     /// Stationary stretches that had to give up their rigidity: path, position in its list.
@@ -74,25 +78,40 @@ pub struct SpatialComponent {
     /// Energies of the present result.
     pub energy: SpatialEnergy,
     /// What moved each rest path before the shape phase bent it.
-    translations: Vec<c64>,
-    settings: SpatialSettings,
-    backend: Backend,
+    pub(super) translations: Vec<c64>,
+    pub(super) settings: SpatialSettings,
+    pub(super) backend: Backend,
     /// Segments of the rest paths.
-    segments: Vec<RestSegments>,
+    pub(super) segments: Vec<RestSegments>,
     /// Longest chord of every stationary stretch, by path.
-    chords: Vec<Vec<Direction>>,
-    shape: PhaseSolver,
-    scale: PhaseSolver,
+    pub(super) chords: Vec<Vec<Direction>>,
+    pub(super) shape: PhaseSolver,
+    pub(super) scale: PhaseSolver,
     /// Systems with other stretches released than the present ones, with these stretches.
-    others: Vec<(Runs, [PhaseSolver; 2])>,
+    pub(super) others: Vec<(Runs, [PhaseSolver; 2])>,
+    /// Of bodies, only the lengths of their paths are asked for.
+    pub(super) lengths_only: bool,
+    /// The scale system is not there yet.
+    pub(super) lacks_scale: bool,
 }
 
 /// So many systems with other stretches released are kept.
 const MOST_KEPT: usize = 4;
 
+/// How far a solve went.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Solved {
+    /// Both phases.
+    Both,
+    /// The shape takes too much energy.
+    TooMuch,
+    /// The shape; what it takes to go on is missing.
+    LacksScale,
+}
+
 /// What came of one attempt.
 enum Attempt {
-    Done,
+    Ended(Solved),
     Release(Runs),
 }
 
@@ -100,6 +119,16 @@ impl SpatialComponent {
     /// Assembles both systems. Cost: linear in frames.
     pub fn new(
         rests: Vec<RestPath>,
+        held: Vec<Prepared>,
+        settings: SpatialSettings,
+        backend: Backend,
+    ) -> Self {
+        Self::of_samples((rests, Vec::new()), held, settings, backend)
+    }
+
+    /// The same of paths of which only some frames are given, as the samplings say; by [`Backend::Direct`].
+    pub fn of_samples(
+        (rests, samplings): (Vec<RestPath>, Vec<Sampling>),
         mut held: Vec<Prepared>,
         settings: SpatialSettings,
         backend: Backend,
@@ -107,7 +136,7 @@ impl SpatialComponent {
         if settings.facing == FacingMode::TangentBlend {
             leave_to_the_body(&mut held, &rests);
         }
-        let [shape, scale] = assemble_both(&rests, &held, &settings, backend, &[]);
+        let [shape, scale] = assemble_both((&rests, &samplings), &held, (&settings, backend), &[]);
         Self {
             shaped: rests.iter().map(|rest| rest.positions.clone()).collect(),
             edited: rests.iter().map(|rest| rest.positions.clone()).collect(),
@@ -120,23 +149,30 @@ impl SpatialComponent {
             released: Vec::new(),
             chords: rests.iter().map(chords).collect(),
             rests,
+            samplings,
             held,
             settings,
             backend,
             shape,
             scale,
             others: Vec::new(),
+            lengths_only: false,
+            lacks_scale: false,
         }
     }
 
     /// Assembles anew after coefficients of held rows have changed (an offset, not a target); the order of elimination stays.
     pub fn reassemble(&mut self) {
         self.others.clear();
-        let [mut shape, mut scale] =
-            assemble_both(&self.rests, &self.held, &self.settings, self.backend, &self.released);
+        let [mut shape, mut scale] = self.assembled(&self.released);
         shape.adopt(&self.shape);
         scale.adopt(&self.scale);
         (self.shape, self.scale) = (shape, scale);
+    }
+
+    fn assembled(&self, released: &[(usize, usize)]) -> [PhaseSolver; 2] {
+        let paths = (self.rests.as_slice(), self.samplings.as_slice());
+        assemble_both(paths, &self.held, (&self.settings, self.backend), released)
     }
 
     /// Goes over to the systems with the stretches `released`, which are kept once they are assembled.
@@ -147,7 +183,7 @@ impl SpatialComponent {
         let known = self.others.iter().position(|(others, _)| *others == released);
         let [shape, scale] = match known {
             Some(place) => self.others.swap_remove(place).1,
-            None => assemble_both(&self.rests, &self.held, &self.settings, self.backend, &released),
+            None => self.assembled(&released),
         };
         let before = [std::mem::replace(&mut self.shape, shape), std::mem::replace(&mut self.scale, scale)];
         self.others.push((std::mem::replace(&mut self.released, released), before));
@@ -161,7 +197,7 @@ impl SpatialComponent {
     /// # Errors
     /// What the solver says of a matrix it cannot factor.
     pub fn factor(&mut self) -> Result<(), SpatialError> {
-        let freedom = |phase| freedom(&self.rests, phase, &self.settings, &self.released);
+        let freedom = |phase| freedom((&self.rests, &self.samplings), phase, &self.settings, &self.released);
         let shape = self.shape.factor(freedom(Phase::Shape), &self.settings);
         shape.map_err(|error| SpatialError::Solver(Phase::Shape, error))?;
         let scale = self.scale.factor(freedom(Phase::Scale), &self.settings);
@@ -175,10 +211,18 @@ impl SpatialComponent {
     /// [`SpatialError::Conflict`] where hard rows contradict each other; a stationary stretch that is the cause is
     /// released first.
     pub fn solve(&mut self) -> Result<(), SpatialError> {
+        self.solve_below(f64::INFINITY).map(|_| ())
+    }
+
+    /// The same, given up where the shape alone takes more energy than `most`, m².
+    ///
+    /// # Errors
+    /// As [`SpatialComponent::solve`].
+    pub fn solve_below(&mut self, most: f64) -> Result<Solved, SpatialError> {
         self.release(Vec::new());
         loop {
-            match self.attempt()? {
-                Attempt::Done => return Ok(()),
+            match self.attempt(most)? {
+                Attempt::Ended(solved) => return Ok(solved),
                 Attempt::Release(mut runs) => {
                     runs.extend(&self.released);
                     runs.sort_unstable();
@@ -188,7 +232,7 @@ impl SpatialComponent {
         }
     }
 
-    fn attempt(&mut self) -> Result<Attempt, SpatialError> {
+    fn attempt(&mut self, most: f64) -> Result<Attempt, SpatialError> {
         self.rest_rotations();
         if let Some(release) = self.solve_shape()? {
             return Ok(release);
@@ -200,74 +244,13 @@ impl SpatialComponent {
             self.update_rotations();
         }
         self.check_bodies()?;
-        self.solve_scale().map(|release| release.unwrap_or(Attempt::Done))
-    }
-
-    /// Rotations before the shape phase, which only bodies without direction use: what a facing of their own says.
-    fn rest_rotations(&mut self) {
-        let mut facings = vec![c64::new(1.0, 0.0); self.rests.len()];
-        for prepared in self.held.iter().rev().filter(|prepared| prepared.at.is_none()) {
-            if let Hold::Facing { at, heading } = prepared.row.hold {
-                facings[at.path] = cis(heading - at.heading);
-            }
+        if self.energy.shape + self.energy.shape_soft > most {
+            return Ok(Attempt::Ended(Solved::TooMuch));
         }
-        for (rotations, prepared) in self.rotations.iter_mut().zip(&self.held) {
-            rotations.at = match prepared.row.hold {
-                Hold::Facing { at, heading } if prepared.body_only => cis(heading - at.heading),
-                hold => facings[hold.at().path],
-            };
-            rotations.to = prepared.row.hold.to().map_or(c64::new(1.0, 0.0), |to| facings[to.path]);
+        if self.lacks_scale {
+            return Ok(Attempt::Ended(Solved::LacksScale));
         }
-        self.update_body_partners();
-    }
-
-    /// Rotations of all places on the shaped paths; whether a body without direction turned on the way.
-    fn update_rotations(&mut self) -> bool {
-        let mut turned = false;
-        for (rotations, prepared) in self.rotations.iter_mut().zip(&self.held) {
-            let hold = prepared.row.hold;
-            if let (Some(direction), Some(to), None) = (prepared.to, hold.to(), prepared.partner_row) {
-                rotations.to = direction.rotation(&self.shaped[to.path]);
-            }
-            match (prepared.at, hold) {
-                (Some(direction), _) if !prepared.body_only => {
-                    rotations.at = direction.rotation(&self.shaped[hold.at().path]);
-                }
-                (_, Hold::RelativeFacing { at, to, angle }) => {
-                    let own = cis(to.heading + angle - at.heading) * rotations.to;
-                    turned |= prepared.at.is_none() && (own - rotations.at).norm() > 1e-12;
-                    rotations.at = own;
-                }
-                (_, Hold::Facing { at, heading }) => rotations.at = cis(heading - at.heading),
-                (_, Hold::Position { .. } | Hold::Offset { .. } | Hold::Beside { .. }) => {}
-            }
-        }
-        let partners = self.update_body_partners();
-        (turned && spread_still_rotations(&self.held, &mut self.rotations, self.rests.len())) || partners
-    }
-
-    /// Hard facings that are left to one body at one moment must agree.
-    fn check_bodies(&self) -> Result<(), SpatialError> {
-        match first_disagreement(&self.held, &self.rotations) {
-            None => Ok(()),
-            Some((rows, radians)) => {
-                let constraints = unique(rows.map(|row| self.held[row].row.constraint).to_vec());
-                Err(SpatialError::Conflict { constraints, miss: Miss::Radians(radians) })
-            }
-        }
-    }
-
-    /// Rotations of partners whose facing at that very moment is left to their bodies; whether one changed.
-    fn update_body_partners(&mut self) -> bool {
-        let mut changed = false;
-        for row in 0..self.held.len() {
-            if let Some(partner) = self.held[row].partner_row {
-                let rotation = self.rotations[partner].at;
-                changed |= (self.rotations[row].to - rotation).norm() > 1e-12;
-                self.rotations[row].to = rotation;
-            }
-        }
-        changed
+        self.solve_scale().map(|release| release.unwrap_or(Attempt::Ended(Solved::Both)))
     }
 
     fn solve_shape(&mut self) -> Result<Option<Attempt>, SpatialError> {
@@ -282,7 +265,8 @@ impl SpatialComponent {
         if let Some((rows, miss)) = self.shape.contradiction() {
             return self.clash(&rows, miss).map(Some);
         }
-        let freedom = freedom(&self.rests, Phase::Shape, &self.settings, &self.released);
+        let paths = (self.rests.as_slice(), self.samplings.as_slice());
+        let freedom = freedom(paths, Phase::Shape, &self.settings, &self.released);
         let solved = self.shape.solve(freedom, &self.settings);
         solved.map_err(|error| SpatialError::Solver(Phase::Shape, error))?;
         let (shape, segments, chords, released) = (&self.shape, &self.segments, &self.chords, &self.released);
@@ -307,15 +291,21 @@ impl SpatialComponent {
         if let Some((rows, miss)) = self.scale.contradiction() {
             return self.clash(&rows, miss).map(Some);
         }
-        let freedom = freedom(&self.rests, Phase::Scale, &self.settings, &self.released);
+        let paths = (self.rests.as_slice(), self.samplings.as_slice());
+        let freedom = freedom(paths, Phase::Scale, &self.settings, &self.released);
         let solved = self.scale.solve(freedom, &self.settings);
         solved.map_err(|error| SpatialError::Solver(Phase::Scale, error))?;
-        hold_facings(held, rotations, &mut self.bodies);
-        let (scale, rests) = (&self.scale, &self.rests);
+        if !self.lengths_only {
+            hold_facings(held, rotations, &mut self.bodies);
+        }
+        let (scale, rests, lengths_only) = (&self.scale, &self.rests, self.lengths_only);
         let stretch = |path: usize, edited: &mut Vec<c64>, body: &mut Body| {
             let (turned, translation) = (&turned[path], translations[path]);
             scale.points(path, |frame| turned.points[frame] + translation, edited);
-            body.follow(&rests[path], edited, &turned.factors);
+            match lengths_only {
+                true => body.length = length(edited),
+                false => body.follow(&rests[path], edited, &turned.factors),
+            }
         };
         for_each_path(rests, &mut self.edited, &mut self.bodies, stretch);
         (self.energy.scale, self.energy.scale_soft) = self.scale.energies();
@@ -356,7 +346,7 @@ impl SpatialComponent {
 }
 
 /// Longest chord of every stationary stretch of a path.
-fn chords(rest: &RestPath) -> Vec<Direction> {
+pub(super) fn chords(rest: &RestPath) -> Vec<Direction> {
     rest.rigid.iter().map(|run| run_chord(rest, *run)).collect()
 }
 
@@ -371,21 +361,20 @@ fn unique(mut constraints: Vec<ConstraintId>) -> Vec<ConstraintId> {
 }
 
 fn assemble_both(
-    paths: &[RestPath],
+    paths: (&[RestPath], &[Sampling]),
     held: &[Prepared],
-    settings: &SpatialSettings,
-    backend: Backend,
+    (settings, backend): (&SpatialSettings, Backend),
     released: &[(usize, usize)],
 ) -> [PhaseSolver; 2] {
     [Phase::Shape, Phase::Scale]
         .map(|phase| PhaseSolver::new(freedom(paths, phase, settings, released), held, settings, backend))
 }
 
-fn freedom<'a>(
-    paths: &'a [RestPath],
+pub(super) fn freedom<'a>(
+    (paths, samplings): (&'a [RestPath], &'a [Sampling]),
     phase: Phase,
     settings: &SpatialSettings,
     released: &'a [(usize, usize)],
 ) -> Freedom<'a> {
-    Freedom { paths, phase, runs: settings.runs, released }
+    Freedom { paths, phase, runs: settings.runs, released, samplings }
 }

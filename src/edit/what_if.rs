@@ -1,90 +1,101 @@
-//! The shape energy of a group of characters if one of their paths were another, without solving again.
+//! A group of characters of which one performs another path: solved with the factorisations of the group as it is.
 //!
-//! Exact where the rows stay what they are but for their terms on that path and their targets. Mathematics: the what-ifs of
+//! Exact where rows stay what they are but for their terms on that path, their targets and their weights: two small updates
+//! stand for two factorisations, and solutions are refined as always. Mathematics: the exchange of a path in
 //! `cotillion_solvers`.
 
-use cotillion_solvers::{Change, MomentTree, Part, PathResponse};
+use cotillion_solvers::PathResponse;
 
-use crate::edit::columns::Freedom;
-use crate::edit::hold::{Phase, Prepared, Rotations, Term};
-use crate::edit::phase::{PhaseSolver, weight_of};
-use crate::edit::settings::{RunMode, SpatialSettings};
-use crate::edit::springs::shape_path;
+use crate::edit::bodies::leave_to_the_body;
+use crate::edit::facing::Body;
+use crate::edit::hold::{Phase, Prepared, Rotations};
+use crate::edit::phase::PhaseSolver;
+use crate::edit::settings::FacingMode;
+use crate::edit::spatial::{SpatialComponent, chords, freedom};
+use crate::edit::turned::TurnedPath;
 use crate::geometry::c64;
 use crate::path::RestPath;
 
-/// Coefficients and weights are the same if they differ by no more than this, relative to the larger.
-const SAME: f64 = 1e-12;
-
-/// A group of which one path is another.
-#[derive(Clone, Copy, Debug)]
-pub struct ChangedPath<'a> {
-    /// Which path, by position in the group.
-    pub path: usize,
-    /// Rest paths, the other one among them.
-    pub rests: &'a [&'a RestPath],
-    /// Held rows of the group on these.
-    pub held: &'a [Prepared],
-    /// Displacements of the rest paths that the present targets are counted from.
-    pub translations: &'a [c64],
+/// How the two phases of a group answer to changes of one of its paths.
+#[derive(Clone, Debug)]
+pub struct GroupResponse {
+    path: usize,
+    phases: [PathResponse; 2],
 }
 
-/// Shape energy with that of soft rows if a path were another; `None` where more than that path would change.
-/// `shape`: solved; `response`: that of the path. Cost: linear in the frames of the path.
-pub fn shape_energy_if(
-    shape: &PhaseSolver,
-    response: &PathResponse,
-    changed: &ChangedPath<'_>,
-    settings: &SpatialSettings,
-) -> Option<f64> {
-    let rest = changed.rests[changed.path];
-    let paths = std::slice::from_ref(rest);
-    let freedom = Freedom { paths, phase: Phase::Shape, runs: settings.runs, released: &[] };
-    let trees = [MomentTree::new(&shape_path(freedom, 0, settings))];
-    let whole = Part {
-        source: 0,
-        points: (0, rest.len() - 1),
-        turn: c64::new(1.0, 0.0),
-        start: trees[0].point(0),
-        compliances: (0.0, 0.0),
-    };
-    let path = cotillion_solvers::SplicedPath::new(&trees, vec![whole]);
-    let counts: Vec<usize> = changed.rests.iter().map(|rest| rest.len()).collect();
-    let rows = response.rows.iter().map(|row| changed_row(shape, *row, changed, (&counts, settings)));
-    let (terms, targets) = rows.collect::<Option<Vec<_>>>()?.into_iter().unzip();
-    shape.energy_if(response, &Change { path: &path, terms, targets })
+/// Answers to changes of path `path`; `None` where they cannot be said beforehand: stretches had to be released, motions are
+/// free, or all frames had to be solved. They hold until systems are factored anew.
+pub fn response(group: &SpatialComponent, path: usize) -> Option<GroupResponse> {
+    if !group.released.is_empty() {
+        return None;
+    }
+    Some(GroupResponse { path, phases: [group.shape.response(path)?, group.scale.response(path)?] })
 }
 
-/// Terms on the changed path and target of row `row` of the system, if the rest of it stays.
-fn changed_row(
-    shape: &PhaseSolver,
-    row: usize,
-    changed: &ChangedPath<'_>,
-    (counts, settings): (&[usize], &SpatialSettings),
-) -> Option<(Vec<(usize, c64)>, c64)> {
-    let (held, present) = shape.row(row);
-    let prepared = &changed.held[held];
-    if !prepared.binds(Phase::Shape, settings.runs == RunMode::Rigid) {
+/// The group with `rest` in place of a path, and the rows `held` with those on it, for the shape phase; of its bodies it tells
+/// lengths only. `None`
+/// where more would change than that. Cost: linear in frames of the group, and by the cube of the rows of the path.
+pub fn exchanged(
+    group: &SpatialComponent,
+    response: &GroupResponse,
+    rest: RestPath,
+    mut held: Vec<Prepared>,
+) -> Option<SpatialComponent> {
+    let path = response.path;
+    if !group.released.is_empty() {
         return None;
     }
-    let terms = prepared.terms(Phase::Shape, settings.relative, counts);
-    let weights_stay = match (weight_of(prepared), present.weight) {
-        (Some(own), Some(before)) => (own - before).abs() <= SAME * before,
-        (None, None) => true,
-        _ => false,
-    };
-    let elsewhere = |(path, ..): &&Term| *path != changed.path;
-    let others_stay =
-        terms.iter().filter(elsewhere).count() == present.terms.iter().filter(elsewhere).count();
-    let pairs = terms.iter().filter(elsewhere).zip(present.terms.iter().filter(elsewhere));
-    let stays = |(a, b): (&Term, &Term)| (a.0, a.1) == (b.0, b.1) && (a.2 - b.2).norm() <= SAME * b.2.norm();
-    if !weights_stay || !others_stay || !pairs.into_iter().all(stays) {
+    let mut rests = group.rests.clone();
+    rests[path] = rest;
+    if group.settings.facing == FacingMode::TangentBlend {
+        leave_to_the_body(&mut held, &rests);
+    }
+    let settings = group.settings;
+    let (all, rows) = (rests.as_slice(), held.as_slice());
+    let own = |phase| (path, freedom((all, &[]), phase, &settings, &[]));
+    let shape = group.shape.exchanged(own(Phase::Shape), rows, &settings, &response.phases[0])?;
+    let mut segments = group.segments.clone();
+    segments[path] = rests[path].segments();
+    let mut own_chords = group.chords.clone();
+    own_chords[path] = chords(&rests[path]);
+    let points: Vec<Vec<c64>> = rests.iter().map(|rest| rest.positions.clone()).collect();
+    Some(SpatialComponent {
+        shaped: points.clone(),
+        edited: points,
+        turned: rests.iter().map(TurnedPath::new).collect(),
+        bodies: rests.iter().map(|_| Body::default()).collect(),
+        segments,
+        rotations: vec![Rotations::NONE; held.len()],
+        energy: Default::default(),
+        translations: vec![c64::default(); rests.len()],
+        released: Vec::new(),
+        chords: own_chords,
+        rests,
+        samplings: Vec::new(),
+        held,
+        settings,
+        backend: group.backend,
+        shape,
+        scale: PhaseSolver::none(),
+        others: Vec::new(),
+        lengths_only: true,
+        lacks_scale: true,
+    })
+}
+
+/// Gives an exchanged group its scale system; `None` where more would change than the path. Most shapes take too much already.
+pub fn complete(
+    group: &SpatialComponent,
+    response: &GroupResponse,
+    own: &mut SpatialComponent,
+) -> Option<()> {
+    if !group.released.is_empty() {
         return None;
     }
-    let on_reference =
-        |(path, frame, c): &Term| c * (changed.rests[*path].positions[*frame] + changed.translations[*path]);
-    let value = prepared.target(Phase::Shape, settings.relative, Rotations::NONE);
-    let target = value - terms.iter().map(on_reference).sum::<c64>();
-    let own = terms.iter().filter(|term| term.0 == changed.path).map(|(_, frame, c)| (*frame, *c));
-    Some((own.collect(), target))
+    let settings = own.settings;
+    let freedom = freedom((&own.rests, &[]), Phase::Scale, &settings, &[]);
+    let path = (response.path, freedom);
+    own.scale = group.scale.exchanged(path, &own.held, &settings, &response.phases[1])?;
+    own.lacks_scale = false;
+    Some(())
 }

@@ -36,6 +36,7 @@ impl Checker<'_> {
             regions,
             evaluator: match raw.evaluator.value() {
                 Some(values::Evaluator::BruteForce) => Evaluator::BruteForce,
+                Some(values::Evaluator::Subsampled) => Evaluator::Subsampled,
                 Some(values::Evaluator::Exact) | None => Evaluator::Exact,
             },
             settle: raw.settle.value().copied().unwrap_or(default.settle),

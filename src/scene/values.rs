@@ -391,5 +391,7 @@ words! {
         Exact = "exact",
         /// All of them, for the same choice.
         BruteForce = "brute-force",
+        /// All of them on every 25th frame, as published.
+        Subsampled = "subsampled",
     }
 }

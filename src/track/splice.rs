@@ -117,6 +117,14 @@ impl Track {
     /// # Panics
     /// If the splice names frames that the track does not have.
     pub fn spliced(&self, splice: &Splice) -> Self {
+        self.showing(&self.shown_after(splice))
+    }
+
+    /// What the track shows after `splice`: one stretch for each of its runs. Cost: linear in runs.
+    ///
+    /// # Panics
+    /// If the splice names frames that the track does not have.
+    pub fn shown_after(&self, splice: &Splice) -> Vec<Stretch> {
         let last = self.frame_count() - 1;
         assert!(splice.after <= last && splice.resume <= last + 1, "a splice is made for its track");
         let mut stretches = self.stretches(0, splice.after);
@@ -124,7 +132,16 @@ impl Track {
         if splice.resume <= last {
             stretches.extend(self.stretches(splice.resume, last));
         }
-        self.showing(&stretches)
+        let mut joined: Vec<Stretch> = Vec::with_capacity(stretches.len());
+        for stretch in stretches {
+            match joined.last_mut() {
+                Some(own) if own.entry == stretch.entry && own.last.0 + 1 == stretch.first.0 => {
+                    own.last = stretch.last;
+                }
+                _ => joined.push(stretch),
+            }
+        }
+        joined
     }
 
     /// What the track shows from track frame `first` to `last`, included.
@@ -140,24 +157,16 @@ impl Track {
         self.placed_runs().filter_map(within).collect()
     }
 
-    /// This track's clips, `stretches` of them one after another; those that follow on each other in their clip are one run.
-    /// The first frame stays where this track's is.
+    /// This track's clips, `stretches` of them one after another, each a run. The first frame stays where this track's is.
     fn showing(&self, stretches: &[Stretch]) -> Self {
-        let mut runs: Vec<Run> = Vec::new();
-        for stretch in stretches {
-            match runs.last_mut() {
-                Some(run) if run.entry == stretch.entry && run.last.0 + 1 == stretch.first.0 => {
-                    run.last = stretch.last;
-                }
-                _ => runs.push(Run {
-                    entry: stretch.entry,
-                    first: stretch.first,
-                    last: stretch.last,
-                    placement: RigidMotion::IDENTITY,
-                    jump: Jump::default(),
-                }),
-            }
-        }
+        let run = |stretch: &Stretch| Run {
+            entry: stretch.entry,
+            first: stretch.first,
+            last: stretch.last,
+            placement: RigidMotion::IDENTITY,
+            jump: Jump::default(),
+        };
+        let mut runs: Vec<Run> = stretches.iter().map(run).collect();
         runs[0].placement = self.runs[0].placement;
         let mut track = Self { clips: self.clips.clone(), runs, rule: self.rule };
         track.place_from(1);

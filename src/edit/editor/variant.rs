@@ -1,10 +1,8 @@
 //! What the energy would be if one character performed another track: only who is connected to them is solved, and a lower
 //! bound takes less than that.
 
-use cotillion_solvers::PathResponse;
-
 use crate::clip::working::WORKING_STEP;
-use crate::constraint::{ConstraintKind, Strength};
+use crate::constraint::ConstraintKind;
 use crate::edit::EditError;
 use crate::edit::energy::{Energy, Extent, least_length_cost, length};
 use crate::edit::expand::{Expansion, expand_some, expand_times};
@@ -12,9 +10,10 @@ use crate::edit::groups::Group;
 use crate::edit::hold::{Hold, Prepared};
 use crate::edit::phase::weight_of;
 use crate::edit::retarget::{retarget, seconds_of};
-use crate::edit::spatial::SpatialComponent;
+use crate::edit::spatial::{Solved, SpatialComponent};
 use crate::edit::temporal::TemporalComponent;
 use crate::edit::time_row::TimeRow;
+use crate::edit::what_if::{GroupResponse, complete, exchanged, response};
 use crate::geometry::c64;
 use crate::index::{CharacterId, ConstraintId};
 use crate::path::RestPath;
@@ -22,9 +21,8 @@ use crate::scene::Scene;
 
 use super::{Editor, solve_times, space_error};
 
-/// Bounds are lowered by this share of the energies they come from, and by as much without units: what-ifs are good to
-/// about 1e-8, and to 1e-7 where hard places all but contradict each other.
-const ROUNDING: f64 = 1e-5;
+/// Bounds are lowered by this share of the energies they come from, and by as much without units.
+const ROUNDING: f64 = 1e-9;
 
 /// Another track in place of a character's, with all rows on it. It outlives drags: numbers are read from the scene anew.
 #[derive(Clone, Debug)]
@@ -39,6 +37,8 @@ pub struct Variant {
     times: Vec<TimeRow>,
     /// These constraints, rising.
     constraints: Vec<ConstraintId>,
+    /// First frame of each run after a seam.
+    pub(super) seams: Vec<usize>,
 }
 
 /// Times of the tracks that are tied to a variant.
@@ -52,23 +52,28 @@ pub struct Timing {
     seconds: Vec<f64>,
 }
 
-/// What a variant makes of the paths that are tied to it.
-struct Space {
+/// A group in which somebody performs another track.
+pub struct Exchange {
     group: usize,
-    /// Of the shape and the scale phase, m².
-    energies: (f64, f64),
-    /// Length of each of its paths, metres.
-    lengths: Vec<f64>,
+    component: SpatialComponent,
 }
 
-/// The least that a variant makes of its group.
-struct LeastSpace {
-    /// Its shape, its paths as long as at rest.
-    space: Space,
-    /// What their lengths cost at least, residuals that save some of it included.
-    length_cost: f64,
-    /// Whether the shape is known.
-    known: bool,
+/// What came of a what-if.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum WhatIf {
+    /// Ê.
+    Energy(Energy),
+    /// More than was asked about.
+    TooMuch,
+}
+
+/// What a variant makes of the paths that are tied to it.
+pub(super) struct Space {
+    pub(super) group: usize,
+    /// Of the shape and the scale phase, m².
+    pub(super) energies: (f64, f64),
+    /// Length of each of its paths, metres.
+    pub(super) lengths: Vec<f64>,
 }
 
 impl Variant {
@@ -101,14 +106,16 @@ impl Editor {
         let held = held.into_iter().map(|row| Prepared::new(row, &rests, self.settings.baseline)).collect();
         let named = scene.constraints.iter().enumerate().filter(|(_, constraint)| names(&constraint.kind));
         let constraints = named.map(|(index, _)| ConstraintId::from_usize(index)).collect();
-        Variant { character: who, rest, held, times, constraints }
+        let starts = scene.characters[who].track.placed_runs().skip(1).map(|(_, start)| start);
+        let seams = starts.collect();
+        Variant { character: who, rest, held, times, constraints, seams }
     }
 
-    /// How the shape of a character's path answers to changes of it, for any number of variants; `None` where that cannot be
-    /// said beforehand. It holds until systems are factored anew.
-    pub fn response(&self, character: CharacterId) -> Option<PathResponse> {
-        let (group, place) = place_of(&self.spatial, character.as_usize())?;
-        self.spatial[group].component.response(place)
+    /// How the paths of a character's group answer to changes of theirs, for any number of variants; `None` where that cannot
+    /// be said beforehand. It holds until systems are factored anew.
+    pub fn response(&self, character: CharacterId) -> Option<GroupResponse> {
+        let (group, place) = place_of(&self.spatial, character.as_usize()).filter(|_| self.is_separable())?;
+        response(&self.spatial[group].component, place)
     }
 
     /// Times of a variant for the present targets.
@@ -155,52 +162,70 @@ impl Editor {
         let held = self.held_with(variant, group);
         let mut component = SpatialComponent::new(rests, held, self.settings, self.backend);
         component.solve().map_err(|error| space_error(&self.scene, &group.characters, error))?;
-        let energy = component.energy;
-        let space = Space {
-            group: index,
-            energies: (energy.shape + energy.shape_soft, energy.scale + energy.scale_soft),
-            lengths: component.bodies.iter().map(|body| body.length).collect(),
-        };
-        Ok(self.energy_with(variant, timing, &space))
+        let lengths = component.bodies.iter().map(|body| body.length).collect();
+        Ok(self.energy_with(variant, timing, &space_of(index, &component, lengths)))
     }
 
-    /// A lower bound of [`Editor::energy_of`]: exact times; exact shape where `response` is given and says it; paths that go
-    /// straight from one hard place to the next. Cost: linear in the frames of the variant and the rows of its group.
-    pub fn energy_bound(&self, variant: &Variant, timing: &Timing, response: Option<&PathResponse>) -> f64 {
+    /// The group of `variant` with its path exchanged, factored from the present systems; `None` where these do not tell.
+    /// `response`: of the character, since systems were last factored; the exchange holds as long. Cost: linear in the frames
+    /// of the group, and by the cube of the rows of the path.
+    pub fn exchange(&self, variant: &Variant, response: &GroupResponse) -> Option<Exchange> {
+        let (index, _) = place_of(&self.spatial, variant.character)?;
+        let group = &self.spatial[index];
+        let held = self.held_with(variant, group);
+        let component = exchanged(&group.component, response, variant.rest.clone(), held)?;
+        Some(Exchange { group: index, component })
+    }
+
+    /// [`Editor::energy_of`] to ten digits, for the present targets; `None` where the exchange does not tell. It is given up
+    /// where the shape alone takes more than `most`, in Ê. Cost: linear in the frames of the group.
+    pub fn energy_if(
+        &self,
+        (variant, timing): (&Variant, &Timing),
+        (Exchange { group, component }, response): (&mut Exchange, &GroupResponse),
+        most: f64,
+    ) -> Option<WhatIf> {
+        component.held.iter_mut().for_each(|prepared| {
+            retarget(&mut prepared.row, &self.scene);
+        });
+        let most = most * WORKING_STEP.powi(3);
+        let mut solved = component.solve_below(most).ok()?;
+        if solved == Solved::LacksScale {
+            complete(&self.spatial[*group].component, response, component)?;
+            solved = component.solve_below(most).ok()?;
+        }
+        if solved != Solved::Both {
+            return Some(WhatIf::TooMuch);
+        }
+        let lengths = component.bodies.iter().map(|body| body.length).collect();
+        Some(WhatIf::Energy(self.energy_with(variant, timing, &space_of(*group, component, lengths))))
+    }
+
+    /// A lower bound of [`Editor::energy_of`]: exact times; paths that go straight from one place to the next. Cost: by the
+    /// rows and the frames of the variant, and the rows of its group.
+    pub fn energy_bound(&self, variant: &Variant, timing: &Timing) -> f64 {
         if !self.is_separable() {
             return self.time_bound(variant, timing);
         }
-        let LeastSpace { space, length_cost, .. } = self.least_space(variant, response);
-        let bound = self.energy_with(variant, timing, &space).total + length_cost;
-        bound - ROUNDING * (1.0 + bound + self.edit.energy.total)
-    }
-
-    /// The shape term of [`Editor::energy_of`], by an update of the present solution; `None` where it cannot be said
-    /// beforehand. Cost: as [`Editor::energy_bound`].
-    pub fn shape_of(&self, variant: &Variant, timing: &Timing, response: &PathResponse) -> Option<f64> {
-        let LeastSpace { space, known, .. } = self.least_space(variant, Some(response));
-        known.then(|| self.energy_with(variant, timing, &space).shape)
-    }
-
-    fn least_space(&self, variant: &Variant, response: Option<&PathResponse>) -> LeastSpace {
         let (index, place) = place_of(&self.spatial, variant.character).unwrap_or_default();
         let group = &self.spatial[index];
         let held = self.held_with(variant, group);
-        let mut rests: Vec<&RestPath> = group.component.rests.iter().collect();
-        rests[place] = &variant.rest;
-        let lengths: Vec<f64> = rests.iter().map(|rest| length(&rest.positions)).collect();
+        let mut lengths: Vec<f64> =
+            group.characters.iter().map(|tied| self.extents[*tied].length.0).collect();
+        lengths[place] = length(&variant.rest.positions);
+        let places = held_places(&held, group.characters.len());
         let least = |(path, own): (usize, &f64)| {
+            let rest = if path == place { &variant.rest } else { &group.component.rests[path] };
             let [all, hard] = [true, false].map(|soft| {
-                let (straight, give) = straight_length(&held, (path, rests[path]), soft);
+                let (straight, give) = straight_length(&places[path], rest, soft);
                 least_length_cost((*own, straight), give, self.scene.mode)
             });
             all.max(hard)
         };
-        let length_cost = lengths.iter().enumerate().map(least).sum();
-        let shape =
-            response.and_then(|response| group.component.shape_energy_if(response, place, &rests, held));
-        let energies = (shape.unwrap_or(0.0).max(0.0), 0.0);
-        LeastSpace { space: Space { group: index, energies, lengths }, length_cost, known: shape.is_some() }
+        let length_cost: f64 = lengths.iter().enumerate().map(least).sum();
+        let space = Space { group: index, energies: (0.0, 0.0), lengths };
+        let bound = self.energy_with(variant, timing, &space).total + length_cost;
+        bound - ROUNDING * (1.0 + bound + self.edit.energy.total)
     }
 
     /// A lower bound of what all those cost who are not tied to `character`.
@@ -256,7 +281,7 @@ impl Editor {
     }
 
     /// Ê of the variant's groups and all others as they are, summed in the order of [`Editor::solve`].
-    fn energy_with(&self, variant: &Variant, timing: &Timing, space: &Space) -> Energy {
+    pub(super) fn energy_with(&self, variant: &Variant, timing: &Timing, space: &Space) -> Energy {
         let mut extents = self.extents.clone();
         extents[variant.character].length.0 = length(&variant.rest.positions);
         for (character, length) in self.spatial[space.group].characters.iter().zip(&space.lengths) {
@@ -275,7 +300,7 @@ impl Editor {
     }
 
     /// Held rows of a group with those of the variant in place of its character's.
-    fn held_with(&self, variant: &Variant, group: &Group<SpatialComponent>) -> Vec<Prepared> {
+    pub(super) fn held_with(&self, variant: &Variant, group: &Group<SpatialComponent>) -> Vec<Prepared> {
         let number = |path: usize| group.characters.binary_search(&path).unwrap_or_default();
         let fresh = |prepared: &Prepared| {
             let mut prepared = *prepared;
@@ -297,33 +322,46 @@ impl Variant {
 }
 
 /// Group of a character, and place in it.
-fn place_of<C>(groups: &[Group<C>], character: usize) -> Option<(usize, usize)> {
+pub(super) fn place_of<C>(groups: &[Group<C>], character: usize) -> Option<(usize, usize)> {
     let place =
         |(index, group): (usize, &Group<C>)| Some((index, group.characters.binary_search(&character).ok()?));
     groups.iter().enumerate().find_map(place)
 }
 
+pub(super) fn space_of(group: usize, component: &SpatialComponent, lengths: Vec<f64>) -> Space {
+    let energy = component.energy;
+    let energies = (energy.shape + energy.shape_soft, energy.scale + energy.scale_soft);
+    Space { group, energies, lengths }
+}
+
+/// A place that a row holds: frame, point, how far the pose is off the path there, weight of a soft row.
+type HeldPlace = (f64, c64, f64, Option<f64>);
+
+/// Places that rows hold on each of `count` paths, rising.
+fn held_places(held: &[Prepared], count: usize) -> Vec<Vec<HeldPlace>> {
+    let mut places = vec![Vec::new(); count];
+    for prepared in held {
+        if let Hold::Position { at, target } = prepared.row.hold {
+            places[at.path].push((at.frame, target, at.detail.norm(), weight_of(prepared)));
+        }
+    }
+    places.iter_mut().for_each(|own| own.sort_by(|a: &HeldPlace, b| a.0.total_cmp(&b.0)));
+    places
+}
+
 /// Length of the straight lines from each held place of a path to the next, metres, and how readily soft ones give way:
 /// residuals that shorten the lines by R cost at least `R²/2g` in Ê, g the second number, m².
 /// `soft`: whether soft places count.
-fn straight_length(held: &[Prepared], (path, rest): (usize, &RestPath), soft: bool) -> (f64, f64) {
-    let place = |prepared: &Prepared| match prepared.row.hold {
-        _ if !soft && prepared.row.strength != Strength::Hard => None,
-        // Beyond the last frame, rows go on along its line, which the path does not.
-        Hold::Position { at, target } if at.path == path && at.frame <= (rest.len() - 1) as f64 => {
-            Some((at.frame, target, at.detail.norm(), weight_of(prepared)))
-        }
-        _ => None,
-    };
-    let mut places: Vec<_> = held.iter().filter_map(place).collect();
-    places.sort_by(|a, b| a.0.total_cmp(&b.0));
-    let between =
-        |pair: &[(f64, c64, f64, Option<f64>)]| (pair[1].1 - pair[0].1).norm() - pair[0].2 - pair[1].2;
+fn straight_length(places: &[HeldPlace], rest: &RestPath, soft: bool) -> (f64, f64) {
+    // Beyond the last frame, rows go on along its line, which the path does not.
+    let counts = |place: &&HeldPlace| (soft || place.3.is_none()) && place.0 <= (rest.len() - 1) as f64;
+    let places: Vec<&HeldPlace> = places.iter().filter(counts).collect();
+    let between = |pair: &[&HeldPlace]| (pair[1].1 - pair[0].1).norm() - pair[0].2 - pair[1].2;
     let straight = places.windows(2).map(|pair| between(pair).max(0.0)).sum();
     // A place within the path moves two lines.
     let last = places.len().saturating_sub(1);
     let lever = |index: usize| if index == 0 || index == last { 1.0 } else { 4.0 };
-    let give = |(index, place): (usize, &(f64, c64, f64, Option<f64>))| {
+    let give = |(index, place): (usize, &&HeldPlace)| {
         place.3.map_or(0.0, |weight| lever(index) * WORKING_STEP.powi(3) / weight)
     };
     (straight, places.iter().enumerate().map(give).sum())

@@ -1,0 +1,98 @@
+//! One path of a factored problem exchanged for another: the factorisation stays, a small update makes good the difference.
+//!
+//! The other path changes the entries of its own rows and of its similarities, on a border P of a few unknowns. With `G` the
+//! inverse on the border, `Δ` the change of its entries, and x₀ the solution of the system as factored,
+//!
+//! ```text
+//!     (K + PΔPᴴ) x = b        x = x₀ − K⁻¹P Δ (I + GΔ)⁻¹ Pᴴx₀
+//! ```
+//!
+//! Solutions are refined against the springs of the exchanged path like any other, so that they are as good as those of a
+//! factorisation of its own.
+//!
+//! Source: Hager, *Updating the inverse of a matrix*, SIAM Review 31 (1989).
+
+use std::sync::Arc;
+
+use nalgebra::{DMatrix, DVector, Dyn, LU};
+
+use crate::c64;
+use crate::compliance::Compliance;
+use crate::path_loads::PathLoads;
+use crate::pieces::cut_path;
+use crate::points::PointRow;
+use crate::springs::SpringPath;
+
+/// The update of a factorisation.
+#[derive(Clone, Debug)]
+pub(crate) struct Exchange {
+    /// Unknowns that the path has entries in.
+    border: Vec<usize>,
+    /// K⁻¹P.
+    columns: Arc<DMatrix<c64>>,
+    /// Δ.
+    difference: DMatrix<c64>,
+    /// I + GΔ.
+    system: LU<c64, Dyn, Dyn>,
+}
+
+impl Exchange {
+    /// `None` where the system is singular. Cost: by the cube of the border.
+    pub(crate) fn new(
+        border: Vec<usize>,
+        columns: Arc<DMatrix<c64>>,
+        (inverse, difference): (&DMatrix<c64>, DMatrix<c64>),
+    ) -> Option<Self> {
+        let size = border.len();
+        let system = (DMatrix::identity(size, size) + inverse * &difference).lu();
+        system.is_invertible().then_some(Self { border, columns, difference, system })
+    }
+
+    /// From the solution of the system as factored to that of the exchanged one.
+    pub(crate) fn correct(&self, x: &mut [c64]) {
+        let mut own = DVector::from_iterator(self.border.len(), self.border.iter().map(|index| x[*index]));
+        // A pivot that is 0 would have been found when it was factored.
+        self.system.solve_mut(&mut own);
+        let forces = &self.difference * own;
+        for (column, force) in self.columns.column_iter().zip(forces.iter()) {
+            x.iter_mut().zip(column.iter()).for_each(|(x, value)| *x -= value * force);
+        }
+    }
+}
+
+impl Compliance {
+    /// The problem with other springs for `path` and other terms and targets of the rows on it: `rows` are those given, all
+    /// others as they are. It is solved with [`PathResponse::factor`](crate::PathResponse::factor), and cannot be factored by
+    /// itself. `None` where it has other unknowns, or motions are free. Cost: by the points and rows of the path.
+    pub fn with_path(&self, path: usize, springs: SpringPath, rows: Vec<PointRow<c64>>) -> Option<Self> {
+        if !self.free.is_empty() || rows.len() != self.given {
+            return None;
+        }
+        let own = self.first_pieces[path]..self.first_pieces[path + 1];
+        let first_joint = self.given + 2 * (own.start - path);
+        let of_row = |(index, row): (usize, &PointRow<c64>)| {
+            let terms = row.terms.iter().filter(|term| term.0 == path);
+            terms.map(|(_, point, value)| (index, *point, *value)).collect::<Vec<_>>()
+        };
+        let terms = rows.iter().enumerate().flat_map(of_row).collect();
+        let (pieces, joints) = cut_path((path, &springs), terms, first_joint);
+        if pieces.len() != own.len() {
+            return None;
+        }
+        let mut loads = self.loads.clone();
+        for (piece, index) in pieces.iter().zip(own) {
+            let known = PathLoads::new(&springs, piece.own.clone(), &piece.terms);
+            let motions = self.layout.similarities[index + 1] - self.layout.similarities[index];
+            if known.motions() != motions || !known.is_finite() {
+                return None;
+            }
+            loads[index] = Arc::new(known);
+        }
+        let mut all = rows;
+        all.extend_from_slice(&self.rows[self.given..]);
+        all[first_joint..first_joint + joints.len()].clone_from_slice(&joints);
+        let mut paths = self.paths.clone();
+        paths[path] = Arc::new(springs);
+        Some(self.like(paths, all, loads))
+    }
+}

@@ -1,0 +1,76 @@
+//! How the places of held rows turn from the rest paths to the shaped ones.
+
+use super::{SpatialComponent, SpatialError, unique};
+use crate::edit::bodies::{first_disagreement, spread_still_rotations};
+use crate::edit::clash::Miss;
+use crate::edit::hold::Hold;
+use crate::geometry::{c64, cis};
+
+impl SpatialComponent {
+    /// Rotations before the shape phase, which only bodies without direction use: what a facing of their own says.
+    pub(super) fn rest_rotations(&mut self) {
+        let mut facings = vec![c64::new(1.0, 0.0); self.rests.len()];
+        for prepared in self.held.iter().rev().filter(|prepared| prepared.at.is_none()) {
+            if let Hold::Facing { at, heading } = prepared.row.hold {
+                facings[at.path] = cis(heading - at.heading);
+            }
+        }
+        for (rotations, prepared) in self.rotations.iter_mut().zip(&self.held) {
+            rotations.at = match prepared.row.hold {
+                Hold::Facing { at, heading } if prepared.body_only => cis(heading - at.heading),
+                hold => facings[hold.at().path],
+            };
+            rotations.to = prepared.row.hold.to().map_or(c64::new(1.0, 0.0), |to| facings[to.path]);
+        }
+        self.update_body_partners();
+    }
+
+    /// Rotations of all places on the shaped paths; whether a body without direction turned on the way.
+    pub(super) fn update_rotations(&mut self) -> bool {
+        let mut turned = false;
+        for (rotations, prepared) in self.rotations.iter_mut().zip(&self.held) {
+            let hold = prepared.row.hold;
+            if let (Some(direction), Some(to), None) = (prepared.to, hold.to(), prepared.partner_row) {
+                rotations.to = direction.rotation(&self.shaped[to.path]);
+            }
+            match (prepared.at, hold) {
+                (Some(direction), _) if !prepared.body_only => {
+                    rotations.at = direction.rotation(&self.shaped[hold.at().path]);
+                }
+                (_, Hold::RelativeFacing { at, to, angle }) => {
+                    let own = cis(to.heading + angle - at.heading) * rotations.to;
+                    turned |= prepared.at.is_none() && (own - rotations.at).norm() > 1e-12;
+                    rotations.at = own;
+                }
+                (_, Hold::Facing { at, heading }) => rotations.at = cis(heading - at.heading),
+                (_, Hold::Position { .. } | Hold::Offset { .. } | Hold::Beside { .. }) => {}
+            }
+        }
+        let partners = self.update_body_partners();
+        (turned && spread_still_rotations(&self.held, &mut self.rotations, self.rests.len())) || partners
+    }
+
+    /// Hard facings that are left to one body at one moment must agree.
+    pub(super) fn check_bodies(&self) -> Result<(), SpatialError> {
+        match first_disagreement(&self.held, &self.rotations) {
+            None => Ok(()),
+            Some((rows, radians)) => {
+                let constraints = unique(rows.map(|row| self.held[row].row.constraint).to_vec());
+                Err(SpatialError::Conflict { constraints, miss: Miss::Radians(radians) })
+            }
+        }
+    }
+
+    /// Rotations of partners whose facing at that very moment is left to their bodies; whether one changed.
+    fn update_body_partners(&mut self) -> bool {
+        let mut changed = false;
+        for row in 0..self.held.len() {
+            if let Some(partner) = self.held[row].partner_row {
+                let rotation = self.rotations[partner].at;
+                changed |= (self.rotations[row].to - rotation).norm() > 1e-12;
+                self.rotations[row].to = rotation;
+            }
+        }
+        changed
+    }
+}
