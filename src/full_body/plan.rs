@@ -21,7 +21,10 @@ const RELEASES: usize = 12;
 /// Held still, a foot jerks its knee at most so many times as hard as the capture does: edits add to it.
 const HARDEST: f64 = 1.0;
 
-/// … and comes no farther below its lowest captured place than this, metres.
+/// Limbs that hardly move as captured may be jerked so hard, radians/s²: a tenth of what knees do in a walk.
+const GENTLE: f64 = 10.0;
+
+/// Held still, a foot comes no farther below its lowest captured place than this, metres.
 const SUNK: f64 = 3e-3;
 
 /// The body comes down by less than this for nothing, metres.
@@ -191,11 +194,11 @@ fn sinks(rest: &[Place], tried: &[Tried]) -> Vec<bool> {
     tried.iter().map(|tried| height(&tried.place) < lowest - SUNK).collect()
 }
 
-/// Where the knee is jerked more than `most` times as hard as captured.
+/// Where the knee (or the elbow) is jerked more than `most` times as hard as captured, and not gently.
 fn jerked(times: &[f64], rest: &[Place], places: impl Iterator<Item = Place>, most: f64) -> Vec<bool> {
     let captured: Vec<f64> = rest.iter().map(|place| place.limb.bend()).collect();
     let bends: Vec<f64> = places.map(|place| place.limb.bend()).collect();
-    let most = most * largest_acceleration(times, &captured);
+    let most = (most * largest_acceleration(times, &captured)).max(GENTLE);
     let mut jerked = vec![false; times.len()];
     for (acceleration, jerked) in accelerations(times, &bends).zip(jerked.iter_mut().skip(1)) {
         *jerked = acceleration > most;
