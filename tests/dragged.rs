@@ -77,3 +77,57 @@ fn check_says_what_drags_move() {
     let line = "ann:end drags the position of drag[0].position and the facing of drag[0].facing in 5 steps";
     assert!(said.contains(line), "{said}");
 }
+
+#[test]
+fn a_scene_without_drags_settles_too_unless_told_otherwise() {
+    let (drags, _) = PULLED.split_once("[[drag]]").expect("a drag");
+    let still = format!("{drags}[[pin]]\nat = \"ann:end\"\nposition = [8.4, 0.0]\n");
+    let changes = |more: &str| {
+        let home = Home::with(&format!("{still}{more}"));
+        let output = home.run(&["--no-cache"]);
+        assert!(output.status.success(), "{}", stderr(&output));
+        assert!(!home.path("result/before.svg").exists(), "nothing was dragged");
+        let report = fs::read_to_string(home.path("result/report.json")).expect("a report");
+        let report: Value = serde_json::from_str(&report).expect("JSON");
+        report["characters"][0]["discrete"].as_array().cloned().expect("a list")
+    };
+    let settled = changes("[discrete]\n");
+    assert!(settled.len() >= 2 && settled[0]["settling"] == false, "{settled:?}");
+    for change in &settled[1..] {
+        assert!(
+            change["settling"] == true && change["drag"].is_null() && change["step"].is_null(),
+            "{change}"
+        );
+    }
+    assert_eq!(changes("[discrete]\nsettle = false\n"), settled[..1]);
+    assert!(changes("").is_empty());
+}
+
+#[test]
+fn who_is_pulled_and_has_no_steps_to_add_is_told_how_far_the_path_is_stretched() {
+    let (report, _) = pulled("[discrete]\nkinds = [\"delete\"]\nregions = [[[90.0, 90.0], [91.0, 91.0]]]\n");
+    let ann = &report["characters"][0];
+    assert_eq!(ann["discrete"].as_array().map(Vec::len), Some(0), "{ann}");
+    let ratio = ann["stretch"]["length"].as_f64().expect("a ratio");
+    assert!(ratio > 1.5, "{ann}");
+    let note =
+        format!("nothing in the motion graph fits the track of ann: its path is stretched {ratio:.2} times");
+    assert!(report["notes"].as_array().expect("a list").contains(&Value::from(note)), "{}", report["notes"]);
+}
+
+#[test]
+fn what_was_dragged_is_drawn_as_it_was_before_at_the_same_scale() {
+    let home = Home::with(PULLED);
+    let output = home.run(&["--no-cache", "--png"]);
+    assert!(output.status.success(), "{}", stderr(&output));
+    let read = |name: &str| fs::read_to_string(home.path(&format!("result/{name}"))).expect("a picture");
+    let (before, after) = (read("before.svg"), read("scene.svg"));
+    assert!(after.contains("dragged here") && !before.contains("dragged here"));
+    // Lines of the grid, and marks of the time axis.
+    let lines = |picture: &str| -> Vec<String> {
+        let grid = ["#e6e9ed", "#e1e5e9"];
+        picture.lines().filter(|line| grid.iter().any(|pen| line.contains(pen))).map(str::to_owned).collect()
+    };
+    assert!(!lines(&before).is_empty() && lines(&before) == lines(&after));
+    assert!(home.path("result/before.png").is_file());
+}
