@@ -2,6 +2,8 @@
 //!
 //! Source: Kim et al. 2009, §5 and Algorithm 1, with the energy of [`crate::edit::energy`].
 
+mod anchored;
+
 use std::sync::{Arc, OnceLock};
 
 use rayon::prelude::*;
@@ -14,6 +16,7 @@ use crate::discrete::outcome::{Outcome, TrackChanges};
 use crate::discrete::remap::{Protected, bound, protected, spliced};
 use crate::discrete::settings::DiscreteSettings;
 use crate::discrete::tracks::{copies, open, rest_angles, turns};
+use crate::discrete::undo::{Made, record, with_undos};
 use crate::discrete::weighing::{Proposal, Weighing};
 use crate::edit::energy::{Energy, length};
 use crate::edit::expand::capture;
@@ -22,6 +25,8 @@ use crate::graph::MotionGraph;
 use crate::index::{CharacterId, ConstraintId};
 use crate::scene::{Character, Scene};
 use crate::track::{Run, Track};
+
+use anchored::AnchoredSearch;
 
 /// When an update happens.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -54,7 +59,9 @@ pub struct LogEntry {
     pub frames: i64,
     /// When.
     pub occasion: Occasion,
-    /// Ê before and after.
+    /// Whether it takes an earlier change back.
+    pub undo: bool,
+    /// Ê before and after the update; infinite where the tracks before it cannot reach the targets.
     pub energy: (f64, f64),
 }
 
@@ -69,6 +76,10 @@ pub struct DiscreteEditor {
     rest_angles: Vec<Vec<f64>>,
     settings: DiscreteSettings,
     log: Vec<LogEntry>,
+    /// Every change so far, to be taken back; none where every update starts at rest.
+    made: Vec<Made>,
+    /// Where every update starts at rest.
+    search: Option<Box<AnchoredSearch>>,
     /// Of each character; `None` where the track has changed since.
     proposals: Vec<Option<Vec<Proposal>>>,
 }
@@ -109,8 +120,9 @@ impl DiscreteEditor {
         }
         let proposals = scene.characters.iter().map(|_| None).collect();
         let editor = Editor::new(scene)?;
-        let log = Vec::new();
-        Ok(Self { original, editor, graph, clips: seen, rest_angles, settings, log, proposals })
+        let search = settings.reversible.then(|| Box::new(AnchoredSearch::new(&editor)));
+        let (log, made, clips) = (Vec::new(), Vec::new(), seen);
+        Ok(Self { original, editor, graph, clips, rest_angles, settings, log, made, search, proposals })
     }
 
     /// The scene as it is now: tracks and targets.
@@ -133,38 +145,56 @@ impl DiscreteEditor {
     /// # Errors
     /// As there.
     pub fn move_target(&mut self, constraint: ConstraintId, target: Target) -> Result<(), EditError> {
-        self.editor.move_target(constraint, target)
+        self.editor.move_target(constraint, target)?;
+        if let Some(search) = &mut self.search {
+            search.move_target(constraint, target);
+        }
+        Ok(())
     }
 
     /// Solves for the present targets and makes the change that lowers Ê most, if one is worth it: at most one, of one
-    /// track. Whether one was made.
+    /// track. Whether one was made. Reversible settings: takes the tracks to those that a search from rest finds for the
+    /// present targets, by as many changes as that takes.
     ///
     /// # Errors
     /// Those of [`Editor::solve`] for the present tracks; candidates that cannot be solved do not happen.
     pub fn update(&mut self, occasion: Occasion) -> Result<bool, EditError> {
+        if let Some(mut search) = self.search.take() {
+            let changed = self.update_from_rest(&mut search, occasion);
+            self.search = Some(search);
+            return changed;
+        }
         self.editor.solve()?;
         let before = self.energy().total;
         self.propose();
         let Some((candidate, energy)) = self.choose(before) else { return Ok(false) };
-        let Candidate { character, splice, keep, kind, interval, .. } = candidate;
-        let track = &self.editor.scene().characters[character.as_usize()].track;
-        let (count, changed) = (track.frame_count(), splice.new_count(track.frame_count()));
-        let at = self.place(character, interval.0);
-        let scene = spliced(self.editor.scene(), character, &splice, keep)
+        let mut entry = self.entry(&candidate, occasion, (before, energy));
+        let Candidate { character, splice, keep, .. } = &candidate;
+        let track = self.editor.scene().characters[character.as_usize()].track.clone();
+        let scene = spliced(self.editor.scene(), *character, splice, *keep)
             .expect("a candidate keeps every moment, which its energy has shown");
         self.editor = Editor::new(scene)?;
         self.editor.solve()?;
-        self.forget(character);
-        self.log.push(LogEntry {
-            character,
-            kind,
-            at,
-            interval,
-            frames: gained(count, changed),
-            occasion,
-            energy: (before, energy),
-        });
+        self.forget(*character);
+        entry.undo = self.settings.undo && record(&mut self.made, &candidate, &track);
+        self.log.push(entry);
         Ok(true)
+    }
+
+    /// What to log of a candidate if it happens to the present tracks.
+    fn entry(&self, candidate: &Candidate, occasion: Occasion, energy: (f64, f64)) -> LogEntry {
+        let Candidate { character, splice, kind, interval, .. } = candidate;
+        let count = self.editor.scene().characters[character.as_usize()].track.frame_count();
+        LogEntry {
+            character: *character,
+            kind: *kind,
+            at: self.place(*character, interval.0),
+            interval: *interval,
+            frames: gained(count, splice.new_count(count)),
+            occasion,
+            undo: false,
+            energy,
+        }
     }
 
     fn weighing(&self) -> Weighing<'_> {
@@ -264,7 +294,8 @@ impl DiscreteEditor {
         let still = track.collect(|clip, frame, _| clip.stationary[frame]);
         let clips = &self.clips[character.as_usize()];
         let seen = Seen { character, track, clips, protected, still: &still, open: &open };
-        candidates(&self.graph, &seen, &self.settings)
+        let found = candidates(&self.graph, &seen, &self.settings);
+        if self.settings.undo { with_undos(&seen, found, &self.made) } else { found }
     }
 
     /// Ê if `candidate` happened, for the present targets; `None` where that cannot be solved. Solves everything anew.

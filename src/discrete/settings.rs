@@ -34,6 +34,10 @@ pub struct DiscreteSettings {
     pub turn_weight: f64,
     /// How candidates are weighed.
     pub evaluator: Evaluator,
+    /// Whether changes can be taken back exactly, whatever the motion graph says.
+    pub undo: bool,
+    /// Whether every update searches from the motion at rest on, so that the way there does not matter.
+    pub reversible: bool,
 }
 
 impl DiscreteSettings {
@@ -52,6 +56,8 @@ impl DiscreteSettings {
             near_tie: 0.03,
             turn_weight: 0.05,
             evaluator: Evaluator::default(),
+            undo: true,
+            reversible: false,
         };
         match mode {
             Mode::Production => production,
@@ -64,6 +70,7 @@ impl DiscreteSettings {
                 least_drop: 0.0,
                 near_tie: 0.0,
                 turn_weight: 0.0,
+                undo: false,
                 ..production
             },
         }
@@ -76,6 +83,7 @@ impl DiscreteSettings {
             Some(discrete) => {
                 settings.kinds.clone_from(&discrete.kinds);
                 settings.evaluator = discrete.evaluator;
+                settings.reversible = discrete.reversible;
             }
             None => settings.kinds.clear(),
         }

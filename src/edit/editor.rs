@@ -1,6 +1,7 @@
 //! The editor: built once per set of constraints, solved many times while targets move.
 
 mod moving;
+mod share;
 mod variant;
 
 use std::ops::Range;
