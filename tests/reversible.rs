@@ -163,6 +163,7 @@ proptest! {
 
 /// Ways to a place, and how many of them end elsewhere than the direct one.
 #[test]
+#[expect(clippy::print_stderr, reason = "how many is a record, not a promise")]
 fn otherwise_the_way_may_make_a_difference() {
     let rehearsed = rehearsed(Mode::Production);
     let (mut differ, mut all) = (0, 0);
