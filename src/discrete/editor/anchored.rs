@@ -1,8 +1,8 @@
 //! Reversible manipulation: every update searches from the motion at rest on, so that its result depends on that and on
 //! where the targets are, not on how they got there.
 //!
-//! Of characters who are tied to each other, sequences of changes are followed level by level, eight of each length: those
-//! with the least Ê, and of near ties those that repeat frames least. Every change of a sequence must be worth it, as in any
+//! Of characters who are tied to each other, sequences of changes are followed level by level, the eight with the least Ê
+//! of each length. Every change of a sequence must be worth it, as in any
 //! update, so sequences are the longer the farther targets are from rest. Taken is the length that reaches the least Ê; of
 //! its sequences within a near tie of that, the one that repeats frames least, then the first one by what it shows. There is
 //! no hysteresis against the present tracks: it would remember the way. Solved sequences are kept from one update to the
@@ -192,12 +192,6 @@ impl DiscreteEditor {
             best = better(best, &next, self.settings.near_tie);
             level = next;
         }
-        for (key, state) in known {
-            kept += frames(&state);
-            if kept <= most {
-                group.known.insert(key, state);
-            }
-        }
         match failure {
             Some(failure) if !best.energy.is_finite() => Err(failure),
             _ => Ok(best),
@@ -225,7 +219,7 @@ impl DiscreteEditor {
 
     fn copies(&self, scene: &Scene, members: &[usize]) -> usize {
         let of = |member: &usize| copies(&scene.characters[*member].track, &self.clips[*member]);
-        members.iter().map(of).sum()
+        members.iter().map(of).max().unwrap_or(0)
     }
 
     /// What the tracks of `members` show, stretch by stretch, and where their moments are.

@@ -23,7 +23,7 @@ pub(super) struct Node {
     pub(super) key: Key,
     pub(super) steps: Vec<Step>,
     pub(super) state: DiscreteEditor,
-    /// How often each member shows one source frame at most, summed.
+    /// How often a member shows one source frame at most.
     pub(super) copies: usize,
     /// Ê of the members; infinite where there is no solution.
     pub(super) energy: f64,
@@ -37,7 +37,6 @@ pub(super) struct Child {
     candidate: Candidate,
     scene: Scene,
     pub(super) key: Key,
-    copies: usize,
     /// Ê of everybody.
     energy: f64,
 }
@@ -100,20 +99,13 @@ pub(super) fn better(before: Best, level: &[Node], near_tie: f64) -> Best {
     }
 }
 
-/// The changes of a level to follow, each worth it, no two to the same tracks: those that lead to the least Ê; first those
-/// within a near tie of it, by how often they repeat frames and by what they show, which small drags do not change.
+/// The changes of a level that lead to the least Ê, each worth it, no two to the same tracks, in rising order of it.
 pub(super) fn children(level: &[Node], members: &[usize], seen: &BTreeSet<Key>) -> Vec<Child> {
     let scales: Vec<Weighing<'_>> = level.iter().map(|node| node.state.weighing()).collect();
-    let near_tie = level.first().map_or(0.0, |node| node.state.settings.near_tie);
-    let near =
-        |found: &[Child]| found.iter().take_while(|own| own.energy <= found[0].energy + near_tie).count();
     let mut found: Vec<Child> = Vec::new();
     let mut known = seen.clone();
     for batch in offers(level, &scales).chunks(BATCH) {
-        let most = match found.get(BEAM - 1) {
-            Some(last) => last.energy.max(found[0].energy + near_tie),
-            None => f64::INFINITY,
-        };
+        let most = found.get(BEAM - 1).map_or(f64::INFINITY, |last| last.energy);
         let hopeful: Vec<&Offer<'_>> = batch.iter().filter(|offer| offer.bound <= most).collect();
         if hopeful.is_empty() {
             break;
@@ -123,11 +115,8 @@ pub(super) fn children(level: &[Node], members: &[usize], seen: &BTreeSet<Key>) 
         let new = |own: &Child| known.insert(own.key.clone());
         found.extend(weighed.into_iter().flatten().filter(new));
         found.sort_by(|a, b| a.energy.total_cmp(&b.energy).then_with(|| a.key.cmp(&b.key)));
-        found.truncate(near(&found).max(BEAM));
+        found.truncate(BEAM);
     }
-    let near = near(&found);
-    found[..near].sort_by(|a, b| a.copies.cmp(&b.copies).then_with(|| a.key.cmp(&b.key)));
-    found.truncate(BEAM);
     found
 }
 
@@ -165,15 +154,7 @@ fn child(
     }
     let exactly = worth.is_finite() && state.settings.evaluator != Evaluator::BruteForce;
     let energy = if exactly { scale.energy(offer.proposal)? } else { state.weigh(candidate)? };
-    let copies = state.copies(&scene, members);
-    (energy < *worth).then(|| Child {
-        parent: offer.node,
-        candidate: candidate.clone(),
-        scene,
-        key,
-        copies,
-        energy,
-    })
+    (energy < *worth).then(|| Child { parent: offer.node, candidate: candidate.clone(), scene, key, energy })
 }
 
 /// The next level: what `children` lead to, solved; those of the last update where they are `known`.
