@@ -177,6 +177,7 @@ fn types_characters_times_and_places_that_are_not_allowed_stay_as_they_are() {
         regions: None,
         evaluator: Evaluator::default(),
         settle: true,
+        reversible: false,
     };
     let found = |discrete: Discrete| {
         let mut scene = walkers(2, 181, 1.0);

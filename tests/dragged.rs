@@ -69,13 +69,40 @@ fn a_drag_without_discrete_editing_stretches_what_is_there() {
 }
 
 #[test]
+fn reversible_drags_out_and_back_end_as_the_short_way_does() {
+    const BACK: &str = "[[drag]]\nhandle = \"ann:end\"\nto = [5.5, 0.4]\nfacing = 0.0\nsteps = 3\n";
+    const REVERSIBLE: &str = "[discrete]\nreversible = true\n";
+    let motion = |scene: &str| {
+        let home = Home::with(scene);
+        let output = home.run(&["--no-cache"]);
+        assert!(output.status.success(), "{}", stderr(&output));
+        let report = fs::read_to_string(home.path("result/report.json")).expect("a report");
+        let report: Value = serde_json::from_str(&report).expect("JSON");
+        (fs::read(home.path("result/ann.bvh")).expect("a motion"), report)
+    };
+    let (there_and_back, report) = motion(&format!("{PULLED}{BACK}{REVERSIBLE}"));
+    let way = "to = [8.4, 0.0]\nfacing = 0.0\nsteps = 5";
+    let short = PULLED.replace(way, "to = [5.5, 0.4]\nfacing = 0.0\nsteps = 1");
+    assert!(there_and_back == motion(&format!("{short}{REVERSIBLE}")).0, "the same bytes");
+    let ann = &report["characters"][0];
+    let changes = ann["discrete"].as_array().expect("a list");
+    assert!(changes.iter().any(|change| change["undo"] == true), "{changes:?}");
+    let sum: i64 = changes.iter().filter_map(|change| change["frames"].as_i64()).sum();
+    let frames = |which: &str| ann["track_frames"][which].as_f64().expect("a number");
+    assert_eq!(frames("edited") - frames("rest"), sum as f64);
+}
+
+#[test]
 fn check_says_what_drags_move() {
     let home = Home::with(PULLED);
     let output = cotillion(&["check", text(&home.path("scene.toml"))]);
     assert!(output.status.success(), "{}", stderr(&output));
     let said = stdout(&output);
     let line = "ann:end drags the position of drag[0].position and the facing of drag[0].facing in 5 steps";
-    assert!(said.contains(line), "{said}");
+    assert!(said.contains(line) && !said.contains("whatever way"), "{said}");
+    let home = Home::with(&format!("{PULLED}[discrete]\nreversible = true\n"));
+    let said = stdout(&cotillion(&["check", text(&home.path("scene.toml"))]));
+    assert!(said.contains("by where the handles are, whatever way they took"), "{said}");
 }
 
 #[test]
