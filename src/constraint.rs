@@ -234,6 +234,8 @@ pub struct Discrete {
     pub evaluator: Evaluator,
     /// Whether changes go on after the last drag, until none is worth it.
     pub settle: bool,
+    /// Whether what comes of a drag depends on the motion at rest and where the handles are, not on the way they took.
+    pub reversible: bool,
 }
 
 impl ChangeKind {
@@ -260,6 +262,7 @@ impl Default for Discrete {
             regions: None,
             evaluator: Evaluator::default(),
             settle: true,
+            reversible: false,
         }
     }
 }

@@ -253,7 +253,7 @@ fn perform(text: &str) -> Result<bool, TestCaseError> {
             }
         }
     }
-    prop_assert!(scene_files(editor.scene(), &edit, &resampled, &BvhOptions::default()).len() == 5);
+    prop_assert!(scene_files((editor.scene(), &edit), None, &resampled, &BvhOptions::default()).len() == 5);
     Ok(true)
 }
 

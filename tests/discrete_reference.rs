@@ -20,6 +20,10 @@ use paths::{graph, path_clip, pin, scene, time};
 
 /// Printed energies have eight decimals.
 const PRINTED: f64 = 1e-6;
+/// A printed length has nine decimals, metres.
+const SWAY: f64 = 1e-9;
+/// Energy of what does not bend, m².
+const UNBENT: f64 = 1e-20;
 
 /// Walks, stands from frame 111 to 170, walks on.
 fn walk_idle_walk() -> Vec<c64> {
@@ -195,4 +199,45 @@ fn a_straight_walk_gains_a_cycle_where_that_is_nearer_to_its_length() {
             assert!((editor.energy().total - energy).abs() < 1e-9, "at x{stretch}");
         }
     }
+}
+
+/// Frame interval, seconds; energies of shape and scale are over its cube, those of time over it.
+const H: f64 = WORKING_STEP;
+
+/// The walk that stands in between, after one update in which changes of `kinds` may happen.
+fn updated(stretch: f64, slow: Option<f64>, kinds: &[ChangeKind]) -> DiscreteEditor {
+    let points = walk_idle_walk();
+    let clip = path_clip(&points, Some((111, 170)));
+    let graph = Arc::new(graph(&[points.len()], &[(WALK.0, WALK.1, 0.0), (IDLE.0, IDLE.1, 0.0)]));
+    let clips = [Arc::clone(&clip)];
+    let scene = scene(&clips, constraints(&points, stretch, slow));
+    let settings = DiscreteSettings { kinds: kinds.to_vec(), ..DiscreteSettings::of(Mode::Paper) };
+    let mut editor = DiscreteEditor::new(scene, (graph, &clips), settings).expect("regular");
+    editor.update(Occasion::First).expect("solvable");
+    editor
+}
+
+#[test]
+fn terms_of_the_energy_are_those_published() {
+    let near = |own: f64, printed: f64| assert!((own / printed - 1.0).abs() < PRINTED, "{own} for {printed}");
+    let identity = updated(1.2, None, &[]).energy();
+    near(identity.scale * H.powi(3), 1.394818143e-6);
+    near(identity.length, 0.5 * 1.598379477);
+    let walks = updated(1.2, None, &[ChangeKind::Duplicate]).energy();
+    near(walks.scale * H.powi(3), 5.848538106e-8);
+    near(walks.length, 0.5 * 0.403527587);
+    near(updated(1.0, Some(1.2), &[]).energy().time * H, 6.244444444e-3);
+}
+
+#[test]
+fn standing_longer_leaves_the_path_as_it_is() {
+    let length = |editor: &DiscreteEditor| -> f64 {
+        let path = editor.scene().characters[0].track.rest_path().positions;
+        path.windows(2).map(|pair| (pair[1] - pair[0]).norm()).sum()
+    };
+    let (before, after) = (updated(1.0, Some(1.2), &[]), updated(1.0, Some(1.2), &[ChangeKind::Duplicate]));
+    let sway = length(&after) - length(&before);
+    assert!((sway - 0.012543416).abs() < SWAY, "{sway}");
+    let energy = after.energy();
+    assert!(energy.shape * H.powi(3) < UNBENT && energy.scale * H.powi(3) < UNBENT, "{energy:?}");
 }

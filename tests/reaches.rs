@@ -186,7 +186,7 @@ fn reports_tell_who_has_what_and_what_is_not_reached() {
         let (scene, edit) = solved(text);
         let mut resampled = resample(&scene, &edit).expect("a result of usual length");
         let embodied = embody(&scene, &edit, &mut resampled);
-        let files = scene_files(&scene, &edit, &resampled, &BvhOptions::default());
+        let files = scene_files((&scene, &edit), None, &resampled, &BvhOptions::default());
         let svg = files.iter().find(|file| file.name == "scene.svg").expect("a picture");
         let svg = String::from_utf8(svg.bytes.clone()).expect("text");
         let outcome = Outcome::plain((scene.clone(), edit.clone()));

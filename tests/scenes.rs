@@ -10,6 +10,7 @@ use std::path::{Path, PathBuf};
 
 use cotillion::constraint::{ConstraintKind, Strength};
 use cotillion::discrete::outcome::Outcome;
+use cotillion::edit::Editor;
 use cotillion::embody::embody;
 use cotillion::export::bvh::BvhOptions;
 use cotillion::export::report::{RestEdited, report};
@@ -73,18 +74,18 @@ fn holds(path: &Path, folders: &ClipFolders) -> Result<(), Failed> {
         return Err("two runs give different bytes".into());
     }
     let stem = path.file_stem().unwrap_or_default().to_string_lossy();
-    shown(&format!("{stem}.svg"), || Ok(files))?;
-    shown(&format!("{stem}_before.svg"), || edited(&Scene { drags: Vec::new(), discrete: None, ..scene }))
+    shown(&format!("{stem}.svg"), "scene.svg", &files)?;
+    shown(&format!("{stem}_before.svg"), "before.svg", &files)
 }
 
-/// Compares a picture in `docs/` with that of the scene, where there is one.
-fn shown(name: &str, files: impl FnOnce() -> Result<Vec<(String, Vec<u8>)>, Failed>) -> Result<(), Failed> {
+/// Compares a picture in `docs/`, where there is one, with one of the files of its scene.
+fn shown(name: &str, file: &str, files: &[(String, Vec<u8>)]) -> Result<(), Failed> {
     let picture = Path::new(env!("CARGO_MANIFEST_DIR")).join("docs").join(name);
     if !picture.is_file() {
         return Ok(());
     }
-    let drawn = files()?.into_iter().find(|(name, _)| name == "scene.svg").map(|(_, bytes)| bytes);
-    if Some(fs::read(&picture)?) != drawn {
+    let drawn = files.iter().find(|(name, _)| name == file).map(|(_, bytes)| bytes);
+    if Some(&fs::read(&picture)?) != drawn {
         return Err(format!("{} is not what the scene gives; run it again", picture.display()).into());
     }
     Ok(())
@@ -135,7 +136,10 @@ fn edited(scene: &Scene) -> Result<Vec<(String, Vec<u8>)>, Failed> {
             return Err(format!("{} has poses that are not finite", clip.name).into());
         }
     }
-    Ok(scene_files(scene, edit, &resampled, &BvhOptions::default())
+    let mut undragged = Editor::new(outcome.original.clone()).map_err(|error| error.to_string())?;
+    let rest = undragged.solve().map_err(|error| error.to_string())?;
+    let before = (!scene.drags.is_empty()).then_some((&outcome.original, rest));
+    Ok(scene_files((scene, edit), before, &resampled, &BvhOptions::default())
         .into_iter()
         .map(|file| (file.name, file.bytes))
         .collect())

@@ -16,6 +16,8 @@ struct Sound {
     frames: usize,
     constraints: usize,
     drags: Vec<Dragged>,
+    /// Whether what comes of the drags depends on where they end only.
+    reversible: bool,
     warnings: Vec<Diagnostic>,
 }
 
@@ -42,13 +44,14 @@ pub(crate) fn check(args: &CheckArgs) -> Result<(), Failure> {
                     frames: scene.characters.iter().map(|character| character.track.frame_count()).sum(),
                     constraints: scene.constraints.len(),
                     drags: dragged(&scene),
+                    reversible: scene.discrete.as_ref().is_some_and(|discrete| discrete.reversible),
                     warnings,
                 });
             }
             Err(found) => faults.push(found),
         }
     }
-    for Sound { file, characters, frames, constraints, drags, .. } in &sound {
+    for Sound { file, characters, frames, constraints, drags, reversible, .. } in &sound {
         output.say(&format!(
             "{file}: sound ({characters} characters, {frames} working frames, {constraints} constraints)\n"
         ));
@@ -56,6 +59,9 @@ pub(crate) fn check(args: &CheckArgs) -> Result<(), Failure> {
             let moves: Vec<String> =
                 moves.iter().map(|(name, what)| format!("the {what} of {name}")).collect();
             output.say(&format!("  {handle} drags {} in {steps} steps\n", moves.join(" and ")));
+        }
+        if *reversible {
+            output.say("  steps come and go by where the handles are, whatever way they took\n");
         }
     }
     output.print_json(&sound);

@@ -39,7 +39,7 @@ pub(crate) fn run(args: &RunArgs) -> Result<(), Failure> {
         )?;
     bar.suspend(|| output.warnings(&warnings, &text));
     bar.inc(1);
-    let solved = solved(scene, args, (&mut timing, &bar), &output).map_err(|error| {
+    let (solved, before) = solved(scene, args, (&mut timing, &bar), &output).map_err(|error| {
         bar.finish_and_clear();
         output.diagnostics(&unsatisfiable(&args.scene, &text, &error), &text);
         Failure::Unsatisfiable
@@ -54,7 +54,8 @@ pub(crate) fn run(args: &RunArgs) -> Result<(), Failure> {
         bar.set_message("feet and hands");
         let embodied = timed(&mut full_body, || embody(scene, edit, &mut resampled));
         bar.set_message("writing");
-        files = scene_files(scene, edit, &resampled, &bvh);
+        let before = before.as_ref().map(|before| (&solved.original, before));
+        files = scene_files((scene, edit), before, &resampled, &bvh);
         if args.strip {
             files.extend(strip_files(scene, edit, &resampled));
         }
@@ -100,15 +101,15 @@ fn write(
     Ok(milliseconds)
 }
 
-/// The scene after its drags and discrete changes.
+/// The scene after its drags and discrete changes, and the edit before its drags, if it has any.
 fn solved(
     scene: Scene,
     args: &RunArgs,
     (timing, bar): (&mut Timing, &indicatif::ProgressBar),
     output: &Output,
-) -> Result<Outcome, EditError> {
+) -> Result<(Outcome, Option<Edit>), EditError> {
     if scene.drags.is_empty() && scene.discrete.is_none() {
-        return Ok(Outcome::plain(solve(scene, args.backend.into(), timing, bar)?.into_parts()));
+        return Ok((Outcome::plain(solve(scene, args.backend.into(), timing, bar)?.into_parts()), None));
     }
     let clips = if scene.discrete.is_some() { scene_clips(&scene) } else { Vec::new() };
     let settings = graph_settings(scene.mode);
@@ -120,7 +121,12 @@ fn solved(
     let told = |done: usize, all: usize| bar.set_message(format!("dragging: {done} of {all}"));
     let editor = timed(&mut timing.solve, || perform(scene, Arc::new(graph), &clips, told))?;
     bar.inc(1);
-    Ok(editor.into_outcome())
+    let outcome = editor.into_outcome();
+    if outcome.original.drags.is_empty() {
+        return Ok((outcome, None));
+    }
+    let before = timed(&mut timing.solve, || Editor::new(outcome.original.clone())?.solve().cloned())?;
+    Ok((outcome, Some(before)))
 }
 
 fn solve(

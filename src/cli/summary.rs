@@ -10,6 +10,9 @@ const TOLD: f64 = 0.01;
 /// What must hold exactly is told of beyond this, in its unit.
 const EXACT: f64 = 1e-3;
 
+/// Where fewer contacts are held, it is told: feet that stand still give up a third where they land and roll off.
+const FEW: f64 = 0.5;
+
 /// A few lines for people.
 pub(crate) fn summary(report: &Report, folder: &Path) -> String {
     let mut text = String::new();
@@ -108,6 +111,12 @@ fn body_lines(character: &CharacterReport, body: &FullBodyReport) -> String {
             drift.from,
             drift.to,
             drift.captured,
+        );
+    } else if let Some(held) = body.contacts_held.filter(|held| *held < FEW) {
+        text += &format!(
+            "{}: {:.0} % of contacts are held; what is not slides or rolls as captured\n",
+            character.name,
+            100.0 * held,
         );
     }
     text

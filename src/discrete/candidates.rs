@@ -257,10 +257,7 @@ fn leaves_room(track: &Track, splice: &Splice, shortest: usize) -> bool {
 fn one_per_sequence(seen: &Seen<'_>, found: Vec<Candidate>) -> Vec<Candidate> {
     let mut kept: BTreeMap<Vec<u64>, Candidate> = BTreeMap::new();
     for candidate in found {
-        let mut key = sequence(seen, &candidate.splice);
-        let moment =
-            |frame: &f64| candidate.splice.map_instant(*frame, candidate.keep).map_or(u64::MAX, f64::to_bits);
-        key.extend(seen.protected.moments.iter().map(moment));
+        let key = outcome(seen, &candidate);
         match kept.get(&key) {
             Some(known) if (known.distance, known.kind) <= (candidate.distance, candidate.kind) => {}
             _ => {
@@ -269,6 +266,15 @@ fn one_per_sequence(seen: &Seen<'_>, found: Vec<Candidate>) -> Vec<Candidate> {
         }
     }
     kept.into_values().collect()
+}
+
+/// What a candidate leads to: the sequence of frames, and where moments are.
+pub fn outcome(seen: &Seen<'_>, candidate: &Candidate) -> Vec<u64> {
+    let mut key = sequence(seen, &candidate.splice);
+    let moment =
+        |frame: &f64| candidate.splice.map_instant(*frame, candidate.keep).map_or(u64::MAX, f64::to_bits);
+    key.extend(seen.protected.moments.iter().map(moment));
+    key
 }
 
 /// Clip, first and last frame of each stretch that the track shows after `splice`.

@@ -2,6 +2,7 @@
 //!
 //! Source: Kim et al. 2009, §5 and Algorithm 1, with the energy of [`crate::edit::energy`].
 
+mod anchored;
 mod choice;
 
 use std::sync::{Arc, OnceLock};
@@ -16,6 +17,7 @@ use crate::discrete::outcome::{Outcome, TrackChanges};
 use crate::discrete::remap::{Protected, bound, protected, spliced};
 use crate::discrete::settings::DiscreteSettings;
 use crate::discrete::tracks::{copies, open, rest_angles, turns};
+use crate::discrete::undo::{Made, record, with_undos};
 use crate::discrete::weighing::Proposal;
 use crate::edit::energy::{Energy, length};
 use crate::edit::expand::capture;
@@ -24,6 +26,8 @@ use crate::graph::MotionGraph;
 use crate::index::{CharacterId, ConstraintId};
 use crate::scene::{Character, Scene};
 use crate::track::{Run, Track};
+
+use anchored::AnchoredSearch;
 
 /// When an update happens.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -56,7 +60,9 @@ pub struct LogEntry {
     pub frames: i64,
     /// When.
     pub occasion: Occasion,
-    /// Ê before and after.
+    /// Whether it takes an earlier change back.
+    pub undo: bool,
+    /// Ê before and after the update; infinite where the tracks before it cannot reach the targets.
     pub energy: (f64, f64),
 }
 
@@ -71,6 +77,10 @@ pub struct DiscreteEditor {
     rest_angles: Vec<Vec<f64>>,
     settings: DiscreteSettings,
     log: Vec<LogEntry>,
+    /// Every change so far, to be taken back; none where every update starts at rest.
+    made: Vec<Made>,
+    /// Where every update starts at rest.
+    search: Option<Box<AnchoredSearch>>,
     /// Of each character; `None` where the track has changed since.
     proposals: Vec<Option<Vec<Proposal>>>,
     /// Of each character, since systems were last factored.
@@ -89,6 +99,9 @@ pub struct Appraisal {
     /// Its Ê; `None` where it cannot be solved.
     pub energy: Option<f64>,
 }
+
+/// A change that brings the logarithm of how far a path is stretched down by less is no help.
+const LESS: f64 = 0.02;
 
 impl DiscreteEditor {
     /// Takes a scene and the motion graph of `clips`, which are all that its characters may show besides their own.
@@ -116,8 +129,21 @@ impl DiscreteEditor {
         let proposals = scene.characters.iter().map(|_| None).collect();
         let responses = scene.characters.iter().map(|_| OnceLock::new()).collect();
         let editor = Editor::of(scene, settings.backend)?;
-        let log = Vec::new();
-        Ok(Self { original, editor, graph, clips: seen, rest_angles, settings, log, proposals, responses })
+        let search = settings.reversible.then(|| Box::new(AnchoredSearch::new(&editor)));
+        let (log, made, clips) = (Vec::new(), Vec::new(), seen);
+        Ok(Self {
+            original,
+            editor,
+            graph,
+            clips,
+            rest_angles,
+            settings,
+            log,
+            made,
+            search,
+            proposals,
+            responses,
+        })
     }
 
     /// The scene as it is now: tracks and targets.
@@ -144,7 +170,11 @@ impl DiscreteEditor {
             // An offset between characters is a coefficient of its row.
             self.forget_systems();
         }
-        self.editor.move_target(constraint, target)
+        self.editor.move_target(constraint, target)?;
+        if let Some(search) = &mut self.search {
+            search.move_target(constraint, target);
+        }
+        Ok(())
     }
 
     /// See [`Editor::reassemble`].
@@ -154,11 +184,17 @@ impl DiscreteEditor {
     }
 
     /// Solves for the present targets and makes the change that lowers Ê most, if one is worth it: at most one, of one
-    /// track. Whether one was made.
+    /// track. Whether one was made. Reversible settings: takes the tracks to those that a search from rest finds for the
+    /// present targets, by as many changes as that takes.
     ///
     /// # Errors
     /// Those of [`Editor::solve`] for the present tracks; candidates that cannot be solved do not happen.
     pub fn update(&mut self, occasion: Occasion) -> Result<bool, EditError> {
+        if let Some(mut search) = self.search.take() {
+            let changed = self.update_from_rest(&mut search, occasion);
+            self.search = Some(search);
+            return changed;
+        }
         self.editor.solve()?;
         let before = self.energy().total;
         self.propose();
@@ -174,10 +210,9 @@ impl DiscreteEditor {
 
     /// Makes a change if it is worth it; whether it was made.
     fn take(&mut self, candidate: &Candidate, (before, occasion): (f64, Occasion)) -> bool {
-        let Candidate { character, splice, keep, kind, interval, .. } = candidate;
-        let track = &self.editor.scene().characters[character.as_usize()].track;
-        let (count, changed) = (track.frame_count(), splice.new_count(track.frame_count()));
-        let at = self.place(*character, interval.0);
+        let Candidate { character, splice, keep, .. } = candidate;
+        let mut entry = self.entry(candidate, occasion, (before, before));
+        let track = self.editor.scene().characters[character.as_usize()].track.clone();
         let Some(scene) = spliced(self.editor.scene(), *character, splice, *keep) else { return false };
         let Ok(mut next) = Editor::of(scene, self.settings.backend) else { return false };
         if next.solve().is_err() {
@@ -190,16 +225,26 @@ impl DiscreteEditor {
             return false;
         }
         self.forget(*character);
-        self.log.push(LogEntry {
+        entry.energy = (before, energy);
+        entry.undo = self.settings.undo && record(&mut self.made, candidate, &track);
+        self.log.push(entry);
+        true
+    }
+
+    /// What to log of a candidate if it happens to the present tracks.
+    fn entry(&self, candidate: &Candidate, occasion: Occasion, energy: (f64, f64)) -> LogEntry {
+        let Candidate { character, splice, kind, interval, .. } = candidate;
+        let count = self.editor.scene().characters[character.as_usize()].track.frame_count();
+        LogEntry {
             character: *character,
             kind: *kind,
-            at,
+            at: self.place(*character, interval.0),
             interval: *interval,
-            frames: gained(count, changed),
+            frames: gained(count, splice.new_count(count)),
             occasion,
-            energy: (before, energy),
-        });
-        true
+            undo: false,
+            energy,
+        }
     }
 
     /// Updates with unchanged targets until nothing is worth it; how many changes were made. It ends: each lowers Ê.
@@ -231,12 +276,16 @@ impl DiscreteEditor {
         let last = edited.times.len() - 1;
         let (rest, seconds) = (length(&edited.rest.positions), last as f64 * WORKING_STEP);
         let ratio = |edited: f64, rest: f64| if rest > 0.0 { edited / rest } else { 1.0 };
+        let stretched = |rest: f64| ratio(length(&edited.positions), rest);
+        let strain = |rest: f64| stretched(rest).ln().abs();
+        let after = |candidate: &Candidate| length(&track.spliced(&candidate.splice).rest_path().positions);
+        let candidates = self.candidates_of(id, track, &protected(self.scene(), id));
         TrackChanges {
-            length: ratio(length(&edited.positions), rest),
+            length: stretched(rest),
             time: ratio(edited.times[last] - edited.times[0], seconds),
             turns: turns(track, &self.rest_angles[who]),
             copies: copies(track, &self.clips[who]),
-            open: !self.candidates_of(id, track, &protected(self.scene(), id)).is_empty(),
+            open: candidates.iter().any(|candidate| strain(after(candidate)) < strain(rest) - LESS),
         }
     }
 
@@ -274,7 +323,8 @@ impl DiscreteEditor {
         let still = track.collect(|clip, frame, _| clip.stationary[frame]);
         let clips = &self.clips[character.as_usize()];
         let seen = Seen { character, track, clips, protected, still: &still, open: &open };
-        candidates(&self.graph, &seen, &self.settings)
+        let found = candidates(&self.graph, &seen, &self.settings);
+        if self.settings.undo { with_undos(&seen, found, &self.made) } else { found }
     }
 
     /// Ê if `candidate` happened, for the present targets; `None` where that cannot be solved. Solves everything anew.

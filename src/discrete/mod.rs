@@ -5,6 +5,7 @@
 pub mod settings;
 pub mod remap;
 pub mod candidates;
+pub mod undo;
 pub mod choose;
 pub mod tracks;
 pub mod weighing;

@@ -30,7 +30,7 @@ pub struct TrackChanges {
     pub turns: f64,
     /// How often one source frame is shown at most.
     pub copies: usize,
-    /// Whether anything is left that could be changed.
+    /// Whether any change is left that would have its path stretched less.
     pub open: bool,
 }
 

@@ -37,6 +37,10 @@ pub struct DiscreteSettings {
     pub evaluator: Evaluator,
     /// Which solver solves all frames.
     pub backend: Backend,
+    /// Whether changes can be taken back exactly, whatever the motion graph says.
+    pub undo: bool,
+    /// Whether every update searches from the motion at rest on, so that the way there does not matter.
+    pub reversible: bool,
 }
 
 impl DiscreteSettings {
@@ -56,6 +60,8 @@ impl DiscreteSettings {
             turn_weight: 0.05,
             evaluator: Evaluator::default(),
             backend: Backend::default(),
+            undo: true,
+            reversible: false,
         };
         match mode {
             Mode::Production => production,
@@ -68,6 +74,7 @@ impl DiscreteSettings {
                 least_drop: 0.0,
                 near_tie: 0.0,
                 turn_weight: 0.0,
+                undo: false,
                 ..production
             },
         }
@@ -80,6 +87,7 @@ impl DiscreteSettings {
             Some(discrete) => {
                 settings.kinds.clone_from(&discrete.kinds);
                 settings.evaluator = discrete.evaluator;
+                settings.reversible = discrete.reversible;
             }
             None => settings.kinds.clear(),
         }

@@ -2,6 +2,7 @@
 
 mod moving;
 mod sampled;
+mod share;
 mod variant;
 
 use std::ops::Range;

@@ -48,7 +48,7 @@ pub fn for_each_stale<C: Send, E: Send>(
 }
 
 /// Groups of characters that `links` connect, each group and the list of groups rising.
-fn connected(count: usize, links: impl IntoIterator<Item = (usize, usize)>) -> Vec<Vec<usize>> {
+pub fn connected(count: usize, links: impl IntoIterator<Item = (usize, usize)>) -> Vec<Vec<usize>> {
     let mut leader: Vec<usize> = (0..count).collect();
     fn find(leader: &mut [usize], mut item: usize) -> usize {
         while leader[item] != item {

@@ -46,7 +46,9 @@ pub struct DiscreteReport {
     pub step: Option<usize>,
     /// Whether it happened after all drags.
     pub settling: bool,
-    /// Deformation energy before and after.
+    /// Whether it takes an earlier change back.
+    pub undo: bool,
+    /// Deformation energy before and after the update; before, `null` where the track could not reach the targets.
     pub energy: [f64; 2],
 }
 
@@ -79,6 +81,7 @@ impl DiscreteReport {
             drag,
             step,
             settling: entry.occasion == Occasion::Settling,
+            undo: entry.undo,
             energy: [entry.energy.0, entry.energy.1],
         }
     }

@@ -1,4 +1,4 @@
-//! The files of a whole scene: BVH per character, one GLB, a picture. `report.json` comes last, as it names them.
+//! The files of a whole scene: BVH per character, one GLB, pictures. `report.json` comes last, as it names them.
 
 use crate::clip::Clip;
 use crate::clip::working::WORKING_STEP;
@@ -7,7 +7,9 @@ use crate::edit::{Edit, EditedCharacter, Moved};
 use crate::export::bvh::{BvhOptions, to_bvh_with};
 use crate::export::files::{OutputFile, file_names};
 use crate::export::gltf::{GlbObject, GlbScene, Performer, to_glb};
-use crate::export::picture::{Actor, Handle, Picture, PictureObject, Tie, to_svg};
+use crate::export::picture::{
+    Actor, Handle, Picture, PictureObject, Tie, extent_of, to_svg, to_svg_covering,
+};
 use crate::geometry::c64;
 use crate::index::floor_index;
 use crate::object::ObjectPose;
@@ -19,8 +21,17 @@ use crate::scene::{Character, Scene};
 /// Poses of an object's way in a picture, at most.
 const MOST_DRAWN: usize = 20_000;
 
-/// BVH files, GLB and picture of an edited scene, in this order.
-pub fn scene_files(scene: &Scene, edit: &Edit, resampled: &Resampled, bvh: &BvhOptions) -> Vec<OutputFile> {
+/// A scene and its edit.
+pub type Edited<'a> = (&'a Scene, &'a Edit);
+
+/// BVH files, GLB and picture of an edited scene, in this order; then, of one that was dragged, the picture of how it was
+/// `before`, with the same constraints but for their targets. Both pictures have one plan and one time axis.
+pub fn scene_files(
+    (scene, edit): Edited<'_>,
+    before: Option<Edited<'_>>,
+    resampled: &Resampled,
+    bvh: &BvhOptions,
+) -> Vec<OutputFile> {
     let names: Vec<&str> = scene.characters.iter().map(|character| character.name.as_str()).collect();
     let mut files: Vec<OutputFile> = file_names(&names)
         .into_iter()
@@ -31,9 +42,23 @@ pub fn scene_files(scene: &Scene, edit: &Edit, resampled: &Resampled, bvh: &BvhO
         })
         .collect();
     files.push(OutputFile { name: "scene.glb".to_owned(), bytes: glb(scene, edit, resampled) });
-    let svg = picture_svg(scene, edit);
-    files.push(OutputFile { name: "scene.svg".to_owned(), bytes: svg.into_bytes() });
+    files.extend(pictures((scene, edit), before));
     files
+}
+
+/// `scene.svg`, and `before.svg` if it was dragged.
+fn pictures(after: Edited<'_>, before: Option<Edited<'_>>) -> Vec<OutputFile> {
+    let file = |name: &str, svg: String| OutputFile { name: name.to_owned(), bytes: svg.into_bytes() };
+    let after_headings = headings(after.1);
+    let shown = picture(after, before.map(|before| before.0), &after_headings);
+    let Some(before) = before else { return vec![file("scene.svg", to_svg(&shown))] };
+    let before_headings = headings(before.1);
+    let undragged = picture(before, None, &before_headings);
+    let extent = extent_of(&shown).and(&extent_of(&undragged));
+    vec![
+        file("scene.svg", to_svg_covering(&shown, &extent)),
+        file("before.svg", to_svg_covering(&undragged, &extent)),
+    ]
 }
 
 fn glb(scene: &Scene, edit: &Edit, resampled: &Resampled) -> Vec<u8> {
@@ -54,24 +79,36 @@ fn glb(scene: &Scene, edit: &Edit, resampled: &Resampled) -> Vec<u8> {
     })
 }
 
-/// Picture of an edited scene: paths from above, and time tracks.
-pub fn picture_svg(scene: &Scene, edit: &Edit) -> String {
-    let headings: Vec<Vec<f64>> = edit.characters.iter().map(headings).collect();
-    let actors = scene.characters.iter().zip(&edit.characters).zip(&headings);
+/// Picture of an edited scene: paths from above, and time tracks; from where pins were dragged, if it was so in `before`.
+fn picture<'a>((scene, edit): Edited<'a>, before: Option<&Scene>, headings: &'a [Vec<f64>]) -> Picture<'a> {
+    let actors = scene.characters.iter().zip(&edit.characters).zip(headings);
     let moved = Moved { scene, characters: &edit.characters };
     let motions = object_motions(scene, &moved);
     let objects = motions.iter().map(|motion| picture_object(&moved, motion));
-    to_svg(&Picture {
+    let held = |(index, constraint): (usize, &Constraint)| {
+        let from = before.and_then(|before| dragged_from(&before.constraints[index], constraint));
+        let handles = handles((scene, edit), &motions, constraint).into_iter();
+        handles.map(move |handle| Handle { dragged_from: from, ..handle }).collect::<Vec<_>>()
+    };
+    Picture {
         title: &scene.title,
         actors: actors.map(|((character, edited), headings)| actor(character, edited, headings)).collect(),
         objects: objects.collect(),
-        handles: scene
-            .constraints
-            .iter()
-            .flat_map(|constraint| handles((scene, edit), &motions, constraint))
-            .collect(),
+        handles: scene.constraints.iter().enumerate().flat_map(held).collect(),
         ties: scene.constraints.iter().flat_map(|constraint| ties(scene, edit, constraint)).collect(),
-    })
+    }
+}
+
+/// Where a pin was, if it is elsewhere now.
+fn dragged_from(before: &Constraint, now: &Constraint) -> Option<c64> {
+    match (&before.kind, &now.kind) {
+        (ConstraintKind::Pin { position: from, .. }, ConstraintKind::Pin { position: to, .. })
+            if from != to =>
+        {
+            *from
+        }
+        _ => None,
+    }
 }
 
 /// Poses of an object at some times; one, where it stands still.
@@ -106,10 +143,13 @@ fn drawn_times(moved: &Moved<'_>) -> impl Iterator<Item = f64> {
     (0..=steps).map(move |k| first + k as f64 * step)
 }
 
-/// Facing at each working frame after the edit.
-fn headings(edited: &EditedCharacter) -> Vec<f64> {
-    let rest = edited.rest.headings.iter().enumerate();
-    rest.map(|(frame, heading)| heading + edited.turns.at(frame as f64)).collect()
+/// Everybody's facing at each working frame after the edit.
+fn headings(edit: &Edit) -> Vec<Vec<f64>> {
+    let of = |edited: &EditedCharacter| {
+        let rest = edited.rest.headings.iter().enumerate();
+        rest.map(|(frame, heading)| heading + edited.turns.at(frame as f64)).collect()
+    };
+    edit.characters.iter().map(of).collect()
 }
 
 fn actor<'a>(character: &'a Character, edited: &'a EditedCharacter, headings: &'a [f64]) -> Actor<'a> {
@@ -143,6 +183,7 @@ fn handles((scene, edit): (&Scene, &Edit), motions: &[ObjectMotion], constraint:
         hard,
         name: constraint.name.clone(),
         partner,
+        dragged_from: None,
     };
     match &constraint.kind {
         ConstraintKind::Pin { when, position, facing } => {

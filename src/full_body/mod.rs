@@ -16,6 +16,7 @@ pub mod aim;
 pub mod fade;
 pub mod plants;
 pub mod turning;
+pub mod holding;
 pub mod pins;
 pub mod seams;
 pub mod reach;

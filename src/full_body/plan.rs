@@ -2,26 +2,31 @@
 
 use glam::DVec3;
 
+use crate::clip::working::WORKING_STEP;
 use crate::full_body::BodyInput;
 use crate::full_body::aim::{Mobility, solve};
 use crate::full_body::chain::{Chain, EndPose, Place, bearing_arms, legs};
 use crate::full_body::feet::{FADE, Leg, STRETCH, from_to};
-use crate::full_body::pins::{LARGEST_TURN, Pins, Standing};
+use crate::full_body::holding::LARGEST_TURN;
+use crate::full_body::pins::{Pins, Standing};
 use crate::full_body::plants::{Displacement, FEET, HANDS, LegTrack, Soles, bearing, plants};
 use crate::full_body::reach::{Demand, drops};
 use crate::full_body::seams::stand_through;
-use crate::full_body::smooth::{accelerations, largest_acceleration};
+use crate::full_body::smooth::accelerations_over;
 use crate::geometry::log;
 use crate::index::JointId;
 use crate::skeleton::{Pose, Skeleton};
 
 /// Rounds in which what cannot be held still is let go.
-const RELEASES: usize = 12;
+const RELEASES: usize = 30;
 
 /// Held still, a foot jerks its knee at most so many times as hard as the capture does: edits add to it.
 const HARDEST: f64 = 1.0;
 
-/// … and comes no farther below its lowest captured place than this, metres.
+/// Limbs that hardly move as captured may be jerked so hard, radians/s²: a tenth of what knees do in a walk.
+const GENTLE: f64 = 10.0;
+
+/// Held still, a foot comes no farther below its lowest captured place than this, metres.
 const SUNK: f64 = 3e-3;
 
 /// The body comes down by less than this for nothing, metres.
@@ -191,16 +196,14 @@ fn sinks(rest: &[Place], tried: &[Tried]) -> Vec<bool> {
     tried.iter().map(|tried| height(&tried.place) < lowest - SUNK).collect()
 }
 
-/// Where the knee is jerked more than `most` times as hard as captured.
+/// Where the knee (or the elbow) is jerked more than `most` times as hard as captured, and not gently.
 fn jerked(times: &[f64], rest: &[Place], places: impl Iterator<Item = Place>, most: f64) -> Vec<bool> {
     let captured: Vec<f64> = rest.iter().map(|place| place.limb.bend()).collect();
     let bends: Vec<f64> = places.map(|place| place.limb.bend()).collect();
-    let most = most * largest_acceleration(times, &captured);
-    let mut jerked = vec![false; times.len()];
-    for (acceleration, jerked) in accelerations(times, &bends).zip(jerked.iter_mut().skip(1)) {
-        *jerked = acceleration > most;
-    }
-    jerked
+    let hardest = accelerations_over(times, &captured, WORKING_STEP).into_iter().fold(0.0, f64::max);
+    let most = (most * hardest).max(GENTLE);
+    let bends = accelerations_over(times, &bends, WORKING_STEP);
+    bends.into_iter().map(|acceleration| acceleration > most).collect()
 }
 
 /// Where the knee of each leg is jerked much harder than captured in `poses`.

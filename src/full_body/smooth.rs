@@ -131,17 +131,44 @@ fn substitute(rows: &mut [[f64; 3]], mut right: Vec<f64>) -> Vec<f64> {
 
 /// Largest second derivative of `values` along `times`, by differences.
 pub fn largest_acceleration(times: &[f64], values: &[f64]) -> f64 {
-    accelerations(times, values).fold(0.0, f64::max)
+    let steps = times.windows(3).zip(values.windows(3));
+    steps
+        .map(|(times, values)| {
+            let [before, after] =
+                [times[1] - times[0], times[2] - times[1]].map(|step| step.max(SHORTEST_STEP));
+            let turn = (values[2] - values[1]) / after - (values[1] - values[0]) / before;
+            (2.0 * turn / (before + after)).abs()
+        })
+        .fold(0.0, f64::max)
 }
 
-/// Magnitudes of the second derivatives of `values` along `times`, by differences: of each sample but the first and the last.
-pub fn accelerations(times: &[f64], values: &[f64]) -> impl Iterator<Item = f64> {
-    times.windows(3).zip(values.windows(3)).map(|(times, values)| {
-        let [before, after] = [times[1] - times[0], times[2] - times[1]].map(|step| step.max(SHORTEST_STEP));
-        let turn = (values[2] - values[1]) / after - (values[1] - values[0]) / before;
-        (2.0 * turn / (before + after)).abs()
-    })
+/// Magnitudes of the second derivatives of `values` at each sample, by differences to what they are `step` seconds before and
+/// after, interpolated; 0 nearer to the ends. Cost: linear.
+pub fn accelerations_over(times: &[f64], values: &[f64], step: f64) -> Vec<f64> {
+    let mut at = [0; 2];
+    let mut value = |side: usize, time: f64| {
+        let from = &mut at[side];
+        while *from + 2 < times.len() && times[*from + 1] < time {
+            *from += 1;
+        }
+        let (start, end) = (times[*from], times[*from + 1]);
+        let share = (time - start) / (end - start).max(f64::MIN_POSITIVE);
+        values[*from] + (values[*from + 1] - values[*from]) * share.clamp(0.0, 1.0)
+    };
+    let Some((first, last)) = times.first().zip(times.last()) else { return Vec::new() };
+    let bounds = first + step - ROUNDING..=last - step + ROUNDING;
+    let acceleration = |(time, own): (&f64, &f64)| {
+        if !bounds.contains(time) {
+            return 0.0;
+        }
+        let [before, after] = [value(0, time - step), value(1, time + step)];
+        ((after - 2.0 * own + before) / (step * step)).abs()
+    };
+    times.iter().zip(values).map(acceleration).collect()
 }
+
+/// Rounding of times, seconds.
+const ROUNDING: f64 = 1e-9;
 
 /// Samples nearer than this in time count as so far apart, seconds: a constrained moment beside an output frame.
 const SHORTEST_STEP: f64 = 1e-3;
@@ -151,9 +178,6 @@ mod tests {
     use proptest::prelude::*;
 
     use super::*;
-
-    /// Rounding of small linear systems.
-    const ROUNDING: f64 = 1e-9;
 
     /// Uneven times, 0.02 to 0.06 s apart.
     fn uneven(count: usize) -> Vec<f64> {
@@ -169,6 +193,19 @@ mod tests {
             (tau * tau * 2.0 * slopes / (before + after)).powi(2)
         });
         data + bends.sum::<f64>()
+    }
+
+    #[test]
+    fn accelerations_do_not_depend_on_how_often_a_curve_is_sampled() {
+        for count in [31, 121, 481] {
+            let times: Vec<f64> = (0..count).map(|k| f64::from(k) / f64::from(count - 1)).collect();
+            let values: Vec<f64> = times.iter().map(|time| 3.0 * time * time).collect();
+            let found = accelerations_over(&times, &values, 1.0 / 30.0);
+            assert!(found.iter().all(|value| *value == 0.0 || (value - 6.0).abs() < 1e-9), "{found:?}");
+            assert!(found.iter().filter(|value| **value == 0.0).count() <= (count as usize - 1) / 15 + 2);
+        }
+        assert_eq!(accelerations_over(&[0.0], &[1.0], 1.0 / 30.0), [0.0]);
+        assert!(accelerations_over(&[], &[], 1.0 / 30.0).is_empty());
     }
 
     proptest! {

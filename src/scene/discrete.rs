@@ -40,6 +40,7 @@ impl Checker<'_> {
                 Some(values::Evaluator::Exact) | None => Evaluator::Exact,
             },
             settle: raw.settle.value().copied().unwrap_or(default.settle),
+            reversible: raw.reversible.value().copied().unwrap_or(default.reversible),
         });
     }
 

@@ -46,6 +46,9 @@ table! {
             evaluator: Evaluator,
             /// Whether changes go on after the last drag until none is worth it (true if left out).
             settle: bool,
+            /// Whether the result depends on the motion at rest and where the handles are only, not on the way they took; slower
+            /// (false if left out).
+            reversible: bool,
         }
     }
 }

@@ -31,12 +31,16 @@ pub(crate) struct Pulled {
     pub(crate) outcome: Outcome,
     /// One an update.
     pub(crate) steps: Vec<Step>,
+    /// The track after each change, in the order of the log.
+    pub(crate) changed: Vec<Track>,
 }
 
 /// The track after one update.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Step {
     pub(crate) frames: usize,
+    /// Changes so far.
+    pub(crate) changes: usize,
     /// Ground length of the track before bending, metres …
     pub(crate) rest: f64,
     /// … and after it.
@@ -92,21 +96,24 @@ pub(crate) fn pull(scene: &Scene, to: &[End], settings: DiscreteSettings) -> Res
     let failed = |error: cotillion::edit::EditError| Failed::from(error.to_string());
     let mut editor = DiscreteEditor::new(scene.clone(), (graph, &clips), settings).map_err(failed)?;
     editor.move_target(ConstraintId(0), Target::Position(start)).map_err(failed)?;
-    let mut steps = Vec::new();
+    let (mut steps, mut changed) = (Vec::new(), Vec::new());
     for (step, (place, seconds)) in to.iter().enumerate() {
         editor.move_target(ConstraintId(1), Target::Position(*place)).map_err(failed)?;
         if let Some(seconds) = seconds {
             editor.move_target(ConstraintId(3), Target::Seconds(*seconds)).map_err(failed)?;
         }
-        editor.update(Occasion::Drag { drag: 0, step: step + 1 }).map_err(failed)?;
+        if editor.update(Occasion::Drag { drag: 0, step: step + 1 }).map_err(failed)? {
+            changed.push(editor.scene().characters[0].track.clone());
+        }
         let edited = &editor.edit().characters[0];
         steps.push(Step {
             frames: edited.positions.len(),
+            changes: changed.len(),
             rest: length(&edited.rest.positions),
             edited: length(&edited.positions),
         });
     }
-    Ok(Pulled { outcome: editor.into_outcome(), steps })
+    Ok(Pulled { outcome: editor.into_outcome(), steps, changed })
 }
 
 fn length(path: &[c64]) -> f64 {

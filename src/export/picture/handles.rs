@@ -38,6 +38,9 @@ pub(super) fn draw_handles(
             }
         } else {
             let target = handle.target.filter(|target| is_drawable(*target)).map(|target| view.place(target));
+            if let (Some(from), Some(to)) = (handle.dragged_from.filter(|from| is_drawable(*from)), target) {
+                draw_drag(sheet, view.place(from), to);
+            }
             draw_pin(sheet, handle, at, target);
             labels.reserve(target.unwrap_or(at), HALF + 1.0);
         }
@@ -60,6 +63,22 @@ fn draw_pair(sheet: &mut Sheet, ends: [Point; 2], hard: bool) {
     for end in ends {
         sheet.circle(end, 2.6, &format!(r#"fill="{fill}" stroke="{INK}" stroke-width="1""#));
     }
+}
+
+/// A dotted line from where a pin was to where it is, from a small ring.
+fn draw_drag(sheet: &mut Sheet, from: Point, to: Point) {
+    sheet.line(from, to, &drag_pen());
+    draw_drag_start(sheet, from);
+}
+
+/// Line of a drag.
+pub(super) fn drag_pen() -> String {
+    format!(r#"stroke="{INK}" stroke-width="1.1" stroke-dasharray="1 4" stroke-linecap="round""#)
+}
+
+/// Where a drag begins.
+pub(super) fn draw_drag_start(sheet: &mut Sheet, at: Point) {
+    sheet.circle(at, 2.4, &format!(r##"fill="#ffffff" stroke="{INK}" stroke-width="1""##));
 }
 
 /// A square at the target, filled if hard, with a tick where it faces; a ring on the path if only the facing is held.

@@ -1,6 +1,7 @@
 //! What the symbols mean; only those that occur.
 
 use super::Picture;
+use super::handles::{drag_pen, draw_drag_start};
 use super::objects::{OUTLINE, draw_mark, way_pen};
 use super::svg::{INK, Point, Rect, Sheet, TextStyle};
 
@@ -47,6 +48,10 @@ fn entries(picture: &Picture) -> Vec<Entry> {
         ("facing held", ring, |sheet, at| {
             sheet.circle(at, 5.0, &format!(r#"fill="none" stroke="{INK}" stroke-width="1.3""#));
             sheet.line(at, [at[0] + 12.0, at[1]], &format!(r#"stroke="{INK}" stroke-width="1.3""#));
+        }),
+        ("dragged here", picture.handles.iter().any(|handle| handle.dragged_from.is_some()), |sheet, at| {
+            stroke(sheet, at, &drag_pen());
+            draw_drag_start(sheet, [at[0] - 13.0, at[1]]);
         }),
         ("relative, hard", pair(true), |sheet, at| draw_pair(sheet, at, INK)),
         ("relative, soft", pair(false), |sheet, at| draw_pair(sheet, at, "#ffffff")),

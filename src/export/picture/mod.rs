@@ -8,6 +8,7 @@ use crate::object::ObjectPose;
 mod axis;
 mod chart;
 mod clip;
+mod extent;
 mod flags;
 mod handles;
 mod labels;
@@ -24,6 +25,7 @@ mod view;
 
 pub use chart::{Chart, Series, chart_svg};
 pub use clip::clip_svg;
+pub use extent::{Extent, extent_of};
 pub use matrix::graph_svg;
 pub use png::{PictureError, to_png};
 pub use strip::{Company, StripOptions, StripThing, StripTie, StripView, strip_svg};
@@ -100,6 +102,8 @@ pub struct Handle {
     pub name: String,
     /// For placements relative to another actor: that actor and its fractional frame.
     pub partner: Option<(usize, f64)>,
+    /// Where drags took it from, plan metres.
+    pub dragged_from: Option<c64>,
 }
 
 /// A constraint on times.
@@ -129,15 +133,20 @@ const FONTS: &str = "Helvetica, Arial, Liberation Sans, DejaVu Sans, sans-serif"
 /// Equal pictures give equal text. Coordinates that are not finite are left out; names of constraints, and names that
 /// find no room, are there as `<title>` of what they name.
 pub fn to_svg(picture: &Picture) -> String {
+    to_svg_covering(picture, &extent_of(picture))
+}
+
+/// The same with plan and time axis as large as `extent`: pictures of one extent show everything at the same place and scale.
+pub fn to_svg_covering(picture: &Picture, extent: &Extent) -> String {
     let mut sheet = Sheet::default();
-    let view = View::fit(picture, [PLAN.0, TOP], PLAN.1 - PLAN.0);
+    let view = View::fit(extent.plan, [PLAN.0, TOP], PLAN.1 - PLAN.0);
     let style = TextStyle { size: 19.0, colour: INK, anchor: "start", halo: false };
     sheet.text([PLAN.0, TOP - 17.0], style, &clipped(picture.title, style.size, WIDTH - PLAN.0 - MARGIN));
     draw_plan(&mut sheet, &view, picture);
     draw_legend(&mut sheet, [PLAN.1 + 16.0, TOP], picture);
     let top = view.frame.y + view.frame.h + 34.0;
     let place = Rect { x: MARGIN, y: top, w: WIDTH - 2.0 * MARGIN, h: 0.0 };
-    let height = draw_tracks(&mut sheet, picture, place) + MARGIN;
+    let height = draw_tracks(&mut sheet, picture, (place, extent)) + MARGIN;
     document(picture.title, &sheet.body, (height, view.frame))
 }
 

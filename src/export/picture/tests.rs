@@ -48,6 +48,7 @@ fn picture<'a>(motions: &'a [Motion], names: &'a [String]) -> Picture<'a> {
         hard: actor == 0,
         name: format!("hold & keep {actor}"),
         partner,
+        dragged_from: Some(c64::new(-1.0, 0.5)).filter(|_| actor == 0),
     };
     let tie = |pinned| Tie { points: vec![(1, 2.5), (0, 2.0)], name: "at \"once\"".to_owned(), pinned };
     let object = PictureObject {

@@ -4,7 +4,7 @@ use super::axis::{mark_label, marks, round_step};
 use super::flags::{self, draw_flags};
 use super::plan::shaded;
 use super::svg::{GREY, INK, Rect, Sheet, TextStyle, clipped, text_width, tinted};
-use super::{Actor, Picture};
+use super::{Actor, Extent, Picture};
 use crate::export::palette::colour;
 
 /// Widest column of names, px.
@@ -42,9 +42,9 @@ impl Axis {
     }
 }
 
-/// Draws the tracks into `place`, of which the height is free; returns their lower edge.
-pub(super) fn draw_tracks(sheet: &mut Sheet, picture: &Picture, place: Rect) -> f64 {
-    let mut axis = axis_of(picture, place);
+/// Draws the tracks into `place`, of which the height is free, over the times of `extent`; returns their lower edge.
+pub(super) fn draw_tracks(sheet: &mut Sheet, picture: &Picture, (place, extent): (Rect, &Extent)) -> f64 {
+    let mut axis = axis_of(picture, place, extent);
     axis.rows.y += flags::height(picture, &axis);
     sheet.open(r#"id="tracks""#, "time tracks");
     draw_axis(sheet, &axis);
@@ -60,15 +60,8 @@ pub(super) fn draw_tracks(sheet: &mut Sheet, picture: &Picture, place: Rect) -> 
     axis.rows.y + axis.rows.h + 20.0
 }
 
-fn axis_of(picture: &Picture, place: Rect) -> Axis {
-    let times = picture.actors.iter().flat_map(|actor| actor.times.iter().copied());
-    let ties = picture.ties.iter().flat_map(|tie| tie.points.iter().map(|point| point.1));
-    let times = times.chain(ties).filter(|time| time.abs() < 1e12);
-    let bounds = times.fold(None, |bounds: Option<(f64, f64)>, time| {
-        let (first, last) = bounds.unwrap_or((time, time));
-        Some((first.min(time), last.max(time)))
-    });
-    let (first, last) = bounds.unwrap_or((0.0, 1.0));
+fn axis_of(picture: &Picture, place: Rect, extent: &Extent) -> Axis {
+    let (first, last) = extent.times;
     let last = last.max(first + 0.1).max(first + first.abs() * 1e-9);
     let count = picture.actors.len();
     let row = match count {
@@ -82,7 +75,7 @@ fn axis_of(picture: &Picture, place: Rect) -> Axis {
     let rows = Rect {
         x: place.x + names,
         y: place.y,
-        w: place.w - names - flags::room(picture),
+        w: place.w - names - extent.names,
         h: row * count.max(1) as f64,
     };
     Axis { rows, row, first, last }
@@ -154,8 +147,8 @@ fn draw_clip_names(sheet: &mut Sheet, axis: &Axis, (index, actor): (usize, &Acto
         let width = text_width(label, size);
         let mut left = from + 5.0;
         for crossing in crossings {
-            if left - 5.0 < *crossing && *crossing < left + width && *crossing < to {
-                left = crossing + 6.0;
+            if left - 5.0 <= *crossing && *crossing < left + width && *crossing < to {
+                left = crossing + 7.0;
             }
         }
         let shown = clipped(label, size, to - left - 4.0);

@@ -1,6 +1,6 @@
 //! Where the plan lies on the sheet.
 
-use super::Picture;
+use super::extent::bounds;
 use super::svg::{Point, Rect};
 use crate::geometry::c64;
 use crate::object::ObjectPose;
@@ -26,9 +26,8 @@ pub(super) struct View {
 }
 
 impl View {
-    /// Fits everything into a frame of width `width` with its upper left corner at `corner`.
-    pub(super) fn fit(picture: &Picture, corner: Point, width: f64) -> Self {
-        let (low, high) = extent(picture);
+    /// Fits what lies between two corners into a frame of width `width` with its upper left corner at `corner`.
+    pub(super) fn fit((low, high): (c64, c64), corner: Point, width: f64) -> Self {
         let centre = (low + high) / 2.0;
         let least = LEAST_EXTENT.max(centre.norm() * 1e-6);
         let size = high - low;
@@ -100,27 +99,4 @@ pub(super) fn towards(from: Point, heading: f64, length: f64) -> Point {
 pub(super) fn base(size: [f64; 3], pose: &ObjectPose) -> [c64; 4] {
     let (ahead, left) = (size[0] / 2.0, size[2] / 2.0);
     [(ahead, left), (ahead, -left), (-ahead, -left), (-ahead, left)].map(|(x, y)| pose.beside(c64::new(x, y)))
-}
-
-fn extent(picture: &Picture) -> (c64, c64) {
-    let paths = picture.actors.iter().flat_map(|actor| actor.rest.iter().chain(actor.edited));
-    let targets = picture.handles.iter().filter_map(|handle| handle.target);
-    let bases = picture
-        .objects
-        .iter()
-        .flat_map(|object| object.poses.iter().flat_map(|pose| base(object.size, pose)));
-    bounds(paths.copied().chain(targets).chain(bases))
-}
-
-/// Lower left and upper right corner of what can be drawn.
-fn bounds(points: impl Iterator<Item = c64>) -> (c64, c64) {
-    let points = points.filter(|point| is_drawable(*point));
-    let bounds = points.fold(None, |bounds: Option<(c64, c64)>, point| {
-        let (low, high) = bounds.unwrap_or((point, point));
-        Some((
-            c64::new(low.re.min(point.re), low.im.min(point.im)),
-            c64::new(high.re.max(point.re), high.im.max(point.im)),
-        ))
-    });
-    bounds.unwrap_or_default()
 }
