@@ -4,28 +4,29 @@
 
 mod anchored;
 mod choice;
+mod told;
 
 use std::sync::{Arc, OnceLock};
 
 use rayon::prelude::*;
 
-use crate::clip::working::{WORKING_STEP, WorkingClip};
+use crate::clip::working::WorkingClip;
 use crate::constraint::{ChangeKind, ConstraintKind, Evaluator};
 use crate::discrete::candidates::{Candidate, Seen, candidates};
 use crate::discrete::choose::worth;
-use crate::discrete::outcome::{Outcome, TrackChanges};
+use crate::discrete::outcome::Outcome;
 use crate::discrete::remap::{Protected, bound, protected, spliced};
 use crate::discrete::settings::DiscreteSettings;
 use crate::discrete::tracks::{copies, open, rest_angles, turns};
 use crate::discrete::undo::{Made, record, with_undos};
 use crate::discrete::weighing::Proposal;
-use crate::edit::energy::{Energy, length};
+use crate::edit::energy::Energy;
 use crate::edit::expand::capture;
 use crate::edit::{Edit, EditError, Editor, GroupResponse, Target};
 use crate::graph::MotionGraph;
 use crate::index::{CharacterId, ConstraintId};
-use crate::scene::{Character, Scene};
-use crate::track::{Run, Track};
+use crate::scene::Scene;
+use crate::track::Track;
 
 use anchored::AnchoredSearch;
 
@@ -99,9 +100,6 @@ pub struct Appraisal {
     /// Its Ê; `None` where it cannot be solved.
     pub energy: Option<f64>,
 }
-
-/// A change that brings the logarithm of how far a path is stretched down by less is no help.
-const LESS: f64 = 0.02;
 
 impl DiscreteEditor {
     /// Takes a scene and the motion graph of `clips`, which are all that its characters may show besides their own.
@@ -268,43 +266,6 @@ impl DiscreteEditor {
         let (scene, mut edit) = editor.into_parts();
         edit.energy = energy;
         Outcome { original, scene, edit, log, tracks }.noted()
-    }
-
-    fn changes(&self, who: usize) -> TrackChanges {
-        let id = CharacterId::from_usize(who);
-        let (track, edited) = (&self.scene().characters[who].track, &self.edit().characters[who]);
-        let last = edited.times.len() - 1;
-        let (rest, seconds) = (length(&edited.rest.positions), last as f64 * WORKING_STEP);
-        let ratio = |edited: f64, rest: f64| if rest > 0.0 { edited / rest } else { 1.0 };
-        let stretched = |rest: f64| ratio(length(&edited.positions), rest);
-        let strain = |rest: f64| stretched(rest).ln().abs();
-        let after = |candidate: &Candidate| length(&track.spliced(&candidate.splice).rest_path().positions);
-        let candidates = self.candidates_of(id, track, &protected(self.scene(), id));
-        TrackChanges {
-            length: stretched(rest),
-            time: ratio(edited.times[last] - edited.times[0], seconds),
-            turns: turns(track, &self.rest_angles[who]),
-            copies: copies(track, &self.clips[who]),
-            open: candidates.iter().any(|candidate| strain(after(candidate)) < strain(rest) - LESS),
-        }
-    }
-
-    /// Clip and file frame that a character's track shows at a track frame, as moments name them.
-    fn place(&self, character: CharacterId, frame: usize) -> String {
-        let Character { name, track, .. } = &self.editor.scene().characters[character.as_usize()];
-        let shows = |(run, start): &(&Run, usize)| *start + run.frame_count() > frame;
-        let Some((run, start)) = track.placed_runs().find(shows) else { return name.clone() };
-        let clip = &track.clips[run.entry];
-        let own = self.rest_angles[character.as_usize()].len();
-        let same = |entry: &usize| track.clips[*entry].name == clip.name;
-        let uses = (0..own).filter(same).count();
-        let number = (0..=run.entry.min(own - 1)).filter(same).count();
-        let file = clip.source_frame(f64::from(run.first.0) + (frame - start) as f64).round();
-        if uses > 1 {
-            format!("{name}/{}#{number}:{file}", clip.name)
-        } else {
-            format!("{name}/{}:{file}", clip.name)
-        }
     }
 
     /// Terms of Ê of the present result, turns at seams included.
