@@ -9,7 +9,7 @@ use super::*;
 use crate::clip::Clip;
 use crate::clip::builtin::generate;
 use crate::clip::working::{WORKING_STEP, WorkingClip};
-use crate::full_body::chain::world_frame;
+use crate::full_body::chain::{arms, world_frame};
 use crate::full_body::plants::FEET;
 use crate::full_body::report::TOLERATED;
 use crate::geometry::{log, yaw};
@@ -17,9 +17,9 @@ use crate::index::{JointId, SourceFrame};
 use crate::skeleton::JointRole;
 
 /// Nothing changes farther than this from a constraint, frames.
-const FAR: usize = 32;
+pub(super) const FAR: usize = 32;
 
-fn walk(seconds: f64) -> (Skeleton, BodyInput) {
+pub(super) fn walk(seconds: f64) -> (Skeleton, BodyInput) {
     let clip = generate("walk", &[("seconds".to_owned(), seconds)].into()).expect("a known clip");
     input_of("walk", clip)
 }
@@ -40,12 +40,12 @@ fn input_of(name: &str, clip: Clip) -> (Skeleton, BodyInput) {
     ((*working.clip.skeleton).clone(), input)
 }
 
-fn joint(skeleton: &Skeleton, role: JointRole) -> JointId {
+pub(super) fn joint(skeleton: &Skeleton, role: JointRole) -> JointId {
     skeleton.joint_of(role).expect("the generated body has all joints")
 }
 
 /// `role` held for `frames` frames from `first` on where it is at `first`, shifted.
-fn held(
+pub(super) fn held(
     skeleton: &Skeleton,
     input: &BodyInput,
     role: JointRole,
@@ -57,7 +57,7 @@ fn held(
     Effector { joint, first: at.0, targets: vec![Target { position, rotation: None }; at.1] }
 }
 
-fn miss(skeleton: &Skeleton, refined: &Refined, end: &Effector) -> f64 {
+pub(super) fn miss(skeleton: &Skeleton, refined: &Refined, end: &Effector) -> f64 {
     let samples = end.first..end.first + end.targets.len();
     samples.filter_map(|at| end.shortfall(skeleton, &refined.poses[at], at)).fold(0.0, f64::max)
 }
@@ -167,7 +167,7 @@ fn a_foot_goes_where_it_must() {
 }
 
 /// Somebody who stands for three seconds.
-fn standing() -> (Skeleton, BodyInput) {
+pub(super) fn standing() -> (Skeleton, BodyInput) {
     let clip = generate("idle", &[("seconds".to_owned(), 3.0)].into()).expect("a known clip");
     input_of("idle", clip)
 }
