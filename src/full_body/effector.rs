@@ -18,6 +18,8 @@ pub struct Effector {
     pub first: usize,
     /// From the first sample on, one a sample.
     pub targets: Vec<Target>,
+    /// Whether it holds something: it turns as asked however far, so that its fingers do not slip.
+    pub holds: bool,
 }
 
 /// Where a joint must be.

@@ -15,7 +15,7 @@ use crate::full_body::hinge::{bring_lower, bring_upper};
 use crate::full_body::pins::spans;
 use crate::full_body::wrist::Wrist;
 use crate::geometry::{exp, log};
-use crate::index::{JointId, floor_index};
+use crate::index::floor_index;
 use crate::skeleton::{Pose, Skeleton};
 
 /// Distances of knots, seconds, coarse to fine: 8, 4 and 2 working frames. A control point reaches four knots, so that
@@ -83,9 +83,13 @@ pub fn bring(skeleton: &Skeleton, times: &[f64], limb: &Chain, effectors: &[&Eff
     let exact: Vec<(usize, [DVec3; 3])> =
         constrained.iter().map(|&at| (at, task.displacement(&poses[at], at))).collect();
     let exact = blended(times, &exact);
+    // What goes over to a hand that holds has no limit that it has not.
+    let holds = effectors.iter().any(|end| end.holds);
     for (at, (pose, turns)) in poses.iter_mut().zip(&exact).enumerate() {
         task.apply(pose, turns);
-        task.stop_wrist(pose, at);
+        if !holds {
+            task.stop_wrist(pose, at);
+        }
     }
 }
 
@@ -138,8 +142,8 @@ impl<'a> Task<'a> {
     }
 
     /// What is asked of the limb at a sample: of several effectors the one farthest out, of those the last one.
-    fn asked(&self, at: usize) -> Option<(Part, JointId, &'a Target)> {
-        let asked = |end: &&'a Effector| Some((end.part(self.skeleton, self.limb)?, end.joint, end.at(at)?));
+    fn asked(&self, at: usize) -> Option<(Part, &'a Effector, &'a Target)> {
+        let asked = |end: &&'a Effector| Some((end.part(self.skeleton, self.limb)?, *end, end.at(at)?));
         self.effectors.iter().rev().filter_map(asked).min_by_key(|(part, ..)| *part)
     }
 
@@ -151,10 +155,10 @@ impl<'a> Task<'a> {
 
     /// Rotation vectors, each in its joint's own axes, by which the limb must turn to be at its target.
     fn displacement(&self, pose: &Pose, at: usize) -> [DVec3; 3] {
-        let Some((part, joint, target)) = self.asked(at) else {
+        let Some((part, effector, target)) = self.asked(at) else {
             return [DVec3::ZERO; 3];
         };
-        let mut solved = pose.clone();
+        let (mut solved, joint) = (pose.clone(), effector.joint);
         let (limb, end) = ((self.limb, &self.mobility), (joint, target.position));
         match (part, target.rotation) {
             (Part::Upper, rotation) => {
@@ -163,18 +167,20 @@ impl<'a> Task<'a> {
                     set_in_world(self.skeleton, &mut solved, joint, rotation);
                 }
             }
-            (Part::End, Some(_)) => self.bring_turned(&mut solved, at, (joint, target)),
+            (Part::End, Some(_)) => self.bring_turned(&mut solved, at, (effector, target)),
             (Part::End | Part::Lower, _) => bring_lower(limb, self.skeleton, &mut solved, end),
         }
         self.joints().map(|joint| log(pose.rotations[joint].inverse() * solved.rotations[joint]))
     }
 
-    /// Brings a hand to its target, turned as asked; where its wrist does not turn so far, its place goes first.
-    fn bring_turned(&self, pose: &mut Pose, at: usize, (joint, target): (JointId, &Target)) {
+    /// Brings a hand to its target, turned as asked; where its wrist does not turn so far, its place goes first, unless it holds
+    /// something.
+    fn bring_turned(&self, pose: &mut Pose, at: usize, (effector, target): (&Effector, &Target)) {
+        let joint = effector.joint;
         let goal = end_pose(self.skeleton, self.limb, pose, (joint, target));
         let place = self.limb.place(self.skeleton, pose);
         solve(self.limb, self.skeleton, pose, (&place, &goal), &self.mobility);
-        if self.stop_wrist(pose, at) && joint != self.limb.lower {
+        if !effector.holds && self.stop_wrist(pose, at) && joint != self.limb.lower {
             bring_lower((self.limb, &self.mobility), self.skeleton, pose, (joint, target.position));
         }
     }

@@ -153,7 +153,7 @@ mod tests {
     fn tip(skeleton: &Skeleton, chain: &Chain) -> JointId {
         let last = (0..skeleton.joints.len()).map(JointId::from_usize);
         let is_below = |joint: &JointId| crate::full_body::chain::is_below(skeleton, *joint, chain.lower);
-        last.filter(is_below).last().unwrap_or(chain.lower)
+        last.filter(is_below).next_back().unwrap_or(chain.lower)
     }
 
     #[test]

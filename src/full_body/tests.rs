@@ -54,7 +54,7 @@ pub(super) fn held(
 ) -> Effector {
     let joint = joint(skeleton, role);
     let position = world_frame(skeleton, &input.moved[at.0], joint).position + shift;
-    Effector { joint, first: at.0, targets: vec![Target { position, rotation: None }; at.1] }
+    Effector { joint, first: at.0, targets: vec![Target { position, rotation: None }; at.1], holds: false }
 }
 
 pub(super) fn miss(skeleton: &Skeleton, refined: &Refined, end: &Effector) -> f64 {
@@ -119,7 +119,12 @@ fn the_body_follows_a_hand_that_arms_do_not_reach_and_the_feet_stay() {
     };
     let target =
         Target { position: at + DVec3::new(0.3, -0.2, 0.2).normalize() * (arm + 0.04), rotation: None };
-    let end = Effector { joint: joint(&skeleton, JointRole::LeftHand), first: 100, targets: vec![target] };
+    let end = Effector {
+        joint: joint(&skeleton, JointRole::LeftHand),
+        first: 100,
+        targets: vec![target],
+        holds: false,
+    };
     input.effectors.push(end.clone());
     let refined = refine(&skeleton, &input, PlantMode::AsCaptured);
     assert!(miss(&skeleton, &refined, &end) < TOLERATED, "{}", miss(&skeleton, &refined, &end));
@@ -311,7 +316,7 @@ proptest! {
         }
         for (joint, first, place) in ends {
             let target = Target { position: DVec3::from_array(place), rotation: Some(yaw(place[0])) };
-            input.effectors.push(Effector { joint: JointId(joint), first, targets: vec![target; 7] });
+            input.effectors.push(Effector { joint: JointId(joint), first, targets: vec![target; 7], holds: false });
         }
         let mode = if pinned { PlantMode::Pinned } else { PlantMode::AsCaptured };
         let refined = refine(&skeleton, &input, mode);
@@ -360,7 +365,7 @@ proptest! {
         let position = under + DVec3::new(place[0], 0.0, place[2]);
         let targets = vec![Target { position, rotation: None }; frames];
         let joint = joint(&skeleton, JointRole::RightHand);
-        input.effectors.push(Effector { joint, first: at, targets });
+        input.effectors.push(Effector { joint, first: at, targets, holds: false });
         let refined = refine(&skeleton, &input, PlantMode::AsCaptured);
         let lowest = lowest_knee_and_hip(&skeleton, &refined.poses);
         prop_assert!(lowest > KNEES, "{lowest}");

@@ -11,10 +11,10 @@ use crate::limb::minimal_rotation;
 use crate::skeleton::Skeleton;
 
 /// A hand stays this near to the line of its forearm, as both lie at rest, radians: 90°.
-const SWING: f64 = std::f64::consts::FRAC_PI_2;
+pub const SWING: f64 = std::f64::consts::FRAC_PI_2;
 
 /// A hand turns so far about the line of its forearm, radians: 120°. Where forearms have no joint for it, wrists do all of it.
-const TWIST: f64 = 2.095;
+pub const TWIST: f64 = 2.095;
 
 /// The wrist of an arm.
 #[derive(Clone, Copy, Debug, PartialEq)]
