@@ -151,9 +151,9 @@ mod tests {
 
     /// What hangs on the wrist farthest.
     fn tip(skeleton: &Skeleton, chain: &Chain) -> JointId {
-        let last = (0..skeleton.joints.len()).map(JointId::from_usize);
+        let mut last = (0..skeleton.joints.len()).map(JointId::from_usize);
         let is_below = |joint: &JointId| crate::full_body::chain::is_below(skeleton, *joint, chain.lower);
-        last.filter(is_below).next_back().unwrap_or(chain.lower)
+        last.rfind(is_below).unwrap_or(chain.lower)
     }
 
     #[test]

@@ -141,8 +141,8 @@ fn a_hand_asked_to_turn_farther_than_wrists_do_stops_there_and_stays_at_its_plac
     let (skeleton, input) = walk(4.0);
     let limb = arms(&skeleton)[0].expect("the generated body has arms");
     let wrist = Wrist::of(&skeleton, &limb).expect("and wrists");
-    let below = (0..skeleton.joints.len()).map(JointId::from_usize);
-    let below = below.filter(|joint| chain::is_below(&skeleton, *joint, limb.lower)).next_back();
+    let mut below = (0..skeleton.joints.len()).map(JointId::from_usize);
+    let below = below.rfind(|joint| chain::is_below(&skeleton, *joint, limb.lower));
     for joint in [Some(limb.lower), below].into_iter().flatten() {
         let mut input = input.clone();
         let at = world_frame(&skeleton, &input.moved[60], joint);

@@ -1,6 +1,7 @@
 //! How far a hand turns against its forearm.
 //!
 //! Of what is asked of a hand its place goes first: its wrist stops where wrists do, and the rest of its orientation is missing.
+//! Hands that hold something turn with it.
 //!
 //! Source: ranges of motion after Norkin & White, *Measurement of Joint Motion*, 5th ed., 2016, appendix, widened.
 
