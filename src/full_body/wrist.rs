@@ -11,11 +11,12 @@ use crate::full_body::chain::Chain;
 use crate::limb::minimal_rotation;
 use crate::skeleton::Skeleton;
 
-/// A hand stays this near to the line of its forearm, as both lie at rest, radians: 90°.
-pub const SWING: f64 = std::f64::consts::FRAC_PI_2;
+/// A hand stays this near to the line of its forearm, as both lie at rest, radians: 110°. Wrists bend by 80°; hands that
+/// bear, as captured, by 106°.
+pub const SWING: f64 = 1.92;
 
-/// A hand turns so far about the line of its forearm, radians: 120°. Where forearms have no joint for it, wrists do all of it.
-pub const TWIST: f64 = 2.095;
+/// A hand turns so far about the line of its forearm, radians: 145°. Where forearms have no joint for it, wrists do all of it.
+pub const TWIST: f64 = 2.531;
 
 /// The wrist of an arm.
 #[derive(Clone, Copy, Debug, PartialEq)]
