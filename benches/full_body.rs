@@ -87,6 +87,7 @@ fn hands(skeleton: &Skeleton, input: &BodyInput) -> Vec<Effector> {
         joint,
         first,
         targets: input.moved[first..first + 15].iter().map(target).collect(),
+        holds: false,
     };
     (60..input.moved.len() - 15).step_by(120).map(grasp).collect()
 }

@@ -3,7 +3,7 @@
 //!
 //! What is carried is between the hands as they are before this stage; bodies are reached where they are after it. So who
 //! reaches somebody waits for them, and all others are corrected in parallel. Those who reach each other, or whose hands
-//! meet, are corrected in turn, twice: hands meet in the middle, and where one falls short the other comes to it.
+//! meet, are corrected in turn, three times: hands meet in the middle, and where one falls short the other comes to it.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
@@ -20,7 +20,7 @@ use crate::geometry::slerp;
 use crate::index::{CharacterId, SourceFrame};
 use crate::object_motion::{ObjectMotion, Performance, object_motions, skeleton_of};
 use crate::reach::{
-    JointTarget, Others, Stage, carry_targets, constrained_times, effector_targets, partners,
+    JointTarget, Others, Source, Stage, carry_targets, constrained_times, effector_targets, partners,
 };
 use crate::resample::{Resampled, shown_contacts_at};
 use crate::scene::{Plants, Scene};
@@ -127,8 +127,9 @@ fn known_by(scene: &Scene, who: CharacterId) -> BTreeSet<CharacterId> {
     known
 }
 
-/// Sweeps over characters that reach each other.
-const SWEEPS: usize = 2;
+/// Sweeps over characters that reach each other: after the second hands are where they meet, after the third also turned as asked
+/// by a hand that goes with its forearm.
+const SWEEPS: usize = 3;
 
 /// Corrects a group; `done`: of everybody who is corrected already. `clocks`: of everybody, see [`sample_times`].
 fn in_turn(
@@ -247,6 +248,7 @@ fn effector(target: &JointTarget) -> Effector {
         targets: positions
             .map(|(index, position)| Target { position: *position, rotation: rotation(index) })
             .collect(),
+        holds: matches!(target.source, Source::Carry(_)),
     }
 }
 

@@ -28,7 +28,7 @@ impl Mobility {
 
 /// A middle joint farther than this from the line between the ends of its limb tells alone to which side it bends, share
 /// of the limb's length.
-const TELLING: f64 = 0.05;
+pub const TELLING: f64 = 0.05;
 
 /// Brings a limb, which is at `place` in `pose`, to `target`; how far it stays away, metres.
 ///

@@ -3,6 +3,7 @@
 use glam::{DQuat, DVec3};
 
 use crate::full_body::chain::{Chain, EndPose, is_below, set_in_world, world_frame};
+use crate::full_body::hinge::Hinge;
 use crate::full_body::limits::MOST_BENT;
 use crate::full_body::reach::Demand;
 use crate::index::JointId;
@@ -11,12 +12,14 @@ use crate::skeleton::{Pose, Skeleton};
 /// Where a joint must be at successive samples.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Effector {
-    /// Any joint. Hands, feet and what hangs on them are brought there by their limbs, other joints by the whole body.
+    /// Any joint. What hangs on a limb is brought there by the limb, other joints by the whole body.
     pub joint: JointId,
     /// First sample.
     pub first: usize,
     /// From the first sample on, one a sample.
     pub targets: Vec<Target>,
+    /// Whether it holds something: it turns as asked however far, so that its fingers do not slip.
+    pub holds: bool,
 }
 
 /// Where a joint must be.
@@ -28,6 +31,17 @@ pub struct Target {
     pub rotation: Option<DQuat>,
 }
 
+/// What of a limb brings a joint to its target; what is farther out goes first.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Part {
+    /// The joint is the hand or the foot, or hangs on it.
+    End,
+    /// It hangs on the lower bone.
+    Lower,
+    /// It is the middle joint, or hangs on the upper bone.
+    Upper,
+}
+
 /// Limbs are asked to reach no farther than this, share of their length, as long as the body can go nearer instead.
 const COMFORTABLE: f64 = 0.98;
 
@@ -37,10 +51,17 @@ impl Effector {
         self.targets.get(at.checked_sub(self.first)?)
     }
 
-    /// The limb of `limbs` that brings it to its targets.
-    pub fn limb<'a>(&self, skeleton: &Skeleton, limbs: &'a [Chain]) -> Option<&'a Chain> {
-        let hangs_on = |lower: JointId| self.joint == lower || is_below(skeleton, self.joint, lower);
-        limbs.iter().find(|limb| hangs_on(limb.lower))
+    /// The part of `limb` that brings it to its targets; `None` where another limb or the body does.
+    pub fn part(&self, skeleton: &Skeleton, limb: &Chain) -> Option<Part> {
+        let is_end =
+            !limb.is_open() && (self.joint == limb.lower || is_below(skeleton, self.joint, limb.lower));
+        if is_end {
+            Some(Part::End)
+        } else if is_below(skeleton, self.joint, limb.middle) {
+            Some(Part::Lower)
+        } else {
+            is_below(skeleton, self.joint, limb.upper).then_some(Part::Upper)
+        }
     }
 
     /// What `limb` (the whole body without one) asks of the place of the body at sample `at`, where it is in `pose`.
@@ -56,11 +77,24 @@ impl Effector {
             let hip = world_frame(skeleton, pose, self.joint).position;
             return Some(Demand { hip, ankle: target.position, reach: 0.0, fold: 0.0 });
         };
-        let end = end_pose(skeleton, limb, pose, (self.joint, target));
-        let place = limb.place(skeleton, pose).limb;
-        let length: f64 = place.lengths().iter().sum();
-        let fold = place.span_at(MOST_BENT).min(place.upper.distance(place.lower));
-        Some(Demand { hip: place.upper, ankle: end.position, reach: COMFORTABLE * length, fold })
+        let place = limb.place(skeleton, pose);
+        let hip = place.limb.upper;
+        let own = world_frame(skeleton, pose, self.joint).position;
+        let (ankle, reach, fold) = match self.part(skeleton, limb) {
+            Some(Part::Upper) => (target.position, hip.distance(own), hip.distance(own)),
+            Some(Part::End) if target.rotation.is_some() => {
+                let length: f64 = place.limb.lengths().iter().sum();
+                let end = end_pose(skeleton, limb, pose, (self.joint, target));
+                let fold = place.limb.span_at(MOST_BENT).min(hip.distance(place.limb.lower));
+                (end.position, COMFORTABLE * length, fold)
+            }
+            _ => {
+                let [nearest, farthest] = Hinge::new(&place, own, DVec3::ZERO).spans();
+                let reach = COMFORTABLE * farthest;
+                (target.position, reach, nearest.min(hip.distance(own)).min(reach))
+            }
+        };
+        Some(Demand { hip, ankle, reach, fold })
     }
 
     /// How far the joint is from its target in `pose` at sample `at`, metres.

@@ -126,6 +126,22 @@ impl Leg {
         }
     }
 
+    /// Lets plants go about `samples`, at which bones above the foot must be somewhere: by a fade before and after. Cost: linear in
+    /// samples times those in two fades.
+    pub fn let_go(&mut self, times: &[f64], samples: impl Iterator<Item = usize>) {
+        let mut any = false;
+        for at in samples {
+            any = true;
+            let first = times.partition_point(|time| *time <= times[at] - FADE);
+            let end = times.partition_point(|time| *time < times[at] + FADE);
+            self.bound[first..end].fill(false);
+            self.planted.iter_mut().for_each(|labels| labels[first..end].fill(false));
+        }
+        if let Some(corrections) = self.corrections.as_mut().filter(|_| any) {
+            fill(times, &spans(&self.bound), (FADE, Slopes::Level), corrections);
+        }
+    }
+
     /// Carries the displacements of bound samples on into those between, and holds the foot still.
     pub fn fill(&mut self, times: &[f64]) {
         fill(times, &spans(&self.bound), (FADE, Slopes::Kept), &mut self.displacements);

@@ -71,16 +71,28 @@ impl Cone {
         }
         let swivelled = swivel(limb.upper, [middle, lower], (axis, most));
         let bone = swivelled - limb.upper;
-        let beyond = bone.angle_between(axis) - most;
-        if beyond <= ROUNDING {
+        if bone.angle_between(axis) - most <= ROUNDING {
             return [swivelled, lower];
         }
-        let whole = minimal_rotation(bone, axis);
-        let back = DQuat::IDENTITY.slerp(whole, beyond / bone.angle_between(axis));
+        let back = back(bone, (axis, most));
         let stopped = limb.upper + back * bone;
         let on = (lower - stopped).normalize_or(back * (lower - swivelled).normalize_or_zero());
         [stopped, stopped + on * (lower - swivelled).length()]
     }
+
+    /// `bone`, where the upper bone of `limb` is to be, or where it stops on its way there: at the cone (`above`: from its axes to
+    /// the world's), or no farther out than in `limb` itself.
+    pub fn stop(&self, above: DQuat, limb: &Limb, bone: DVec3) -> DVec3 {
+        let axis = above * self.axis;
+        let most = self.angle.max((limb.middle - limb.upper).angle_between(axis));
+        if bone.angle_between(axis) - most <= ROUNDING { bone } else { back(bone, (axis, most)) * bone }
+    }
+}
+
+/// The turn that takes `bone`, which is farther than `most` from `axis`, back to there.
+fn back(bone: DVec3, (axis, most): (DVec3, f64)) -> DQuat {
+    let angle = bone.angle_between(axis);
+    DQuat::IDENTITY.slerp(minimal_rotation(bone, axis), (angle - most) / angle)
 }
 
 /// Rounding of an angle between vectors that are nearly parallel, radians.

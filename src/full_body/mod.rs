@@ -12,7 +12,9 @@ pub mod displacement;
 pub mod smooth;
 pub mod chain;
 pub mod limits;
+pub mod wrist;
 pub mod aim;
+pub mod hinge;
 pub mod fade;
 pub mod plants;
 pub mod turning;
@@ -28,15 +30,17 @@ pub mod hierarchical;
 pub mod report;
 #[cfg(test)]
 mod tests;
+#[cfg(test)]
+mod tests_of_bones;
 
 use glam::DVec3;
 
 use crate::clip::contacts::Contacts;
-use crate::full_body::chain::{Chain, EndPose, arms};
+use crate::full_body::chain::{Chain, EndPose, bearing_arms};
 use crate::full_body::displacement::Sample;
-pub use crate::full_body::effector::{Effector, Target};
+pub use crate::full_body::effector::{Effector, Part, Target};
 use crate::full_body::feet::{FADE, Leg};
-use crate::full_body::hierarchical::{CLOSE, KNOTS, blended, bring, level, sample};
+use crate::full_body::hierarchical::{CLOSE, KNOTS, blended, bring, bring_beside, level, sample};
 use crate::full_body::plan::{Limb, Still, limbs, popped};
 use crate::full_body::reach::{Demand, Demands, drops, within_reach};
 pub use crate::full_body::report::{BodyReport, JointChange, PlantedPoint, Shortfall, WholeContact};
@@ -138,9 +142,15 @@ fn posed(skeleton: &Skeleton, input: &BodyInput, mut legs: Vec<Leg>) -> (Vec<Leg
     for leg in &legs {
         leg.solve(skeleton, &input.times, &shifts, &mut poses);
     }
-    let limbs: Vec<Chain> = arms(skeleton).into_iter().flatten().collect();
+    for leg in &legs {
+        let is_beside =
+            |end: &&Effector| end.part(skeleton, &leg.chain).is_some_and(|part| part != Part::End);
+        let effectors: Vec<&Effector> = input.effectors.iter().filter(is_beside).collect();
+        bring_beside(skeleton, &input.times, (&leg.chain, &leg.bound), &effectors, &mut poses);
+    }
+    let limbs: Vec<Chain> = bearing_arms(skeleton).into_iter().flatten().collect();
     for limb in limbs.iter().filter(|limb| !legs.iter().any(|leg| leg.chain == **limb)) {
-        let of_limb = |end: &&Effector| end.limb(skeleton, &limbs) == Some(limb);
+        let of_limb = |end: &&Effector| end.part(skeleton, limb).is_some();
         let effectors: Vec<&Effector> = input.effectors.iter().filter(of_limb).collect();
         bring(skeleton, &input.times, limb, &effectors, &mut poses);
     }
@@ -148,12 +158,16 @@ fn posed(skeleton: &Skeleton, input: &BodyInput, mut legs: Vec<Leg>) -> (Vec<Leg
     (legs, poses)
 }
 
-/// Effectors on feet, and on hands that bear elsewhere in time, go before their plants, which let go about them.
+/// Effectors on feet, on hands that bear elsewhere in time, and on the bones above them go before their plants, which let go
+/// about them.
 fn bind_feet(skeleton: &Skeleton, input: &BodyInput, legs: &mut [Leg]) {
     for leg in legs {
         let chain = leg.chain;
-        let is_own = |end: &&Effector| !chain.is_open() && end.limb(skeleton, &[chain]).is_some();
-        let ends: Vec<&Effector> = input.effectors.iter().filter(is_own).collect();
+        let own = input.effectors.iter().filter(|end| end.part(skeleton, &chain).is_some());
+        let (ends, above): (Vec<&Effector>, Vec<&Effector>) =
+            own.partition(|end| end.part(skeleton, &chain) == Some(Part::End));
+        let above = above.into_iter().flat_map(|end| end.first..end.first + end.targets.len());
+        leg.let_go(&input.times, above);
         let target = |end: &Effector, at: usize| {
             let pose = &input.moved[at];
             end.at(at).map(|target| (at, effector::end_pose(skeleton, &chain, pose, (end.joint, target))))
@@ -173,8 +187,8 @@ fn orient_others(
     poses: &mut [Pose],
 ) {
     for end in &input.effectors {
-        let by_leg = legs.iter().any(|leg| end.limb(skeleton, &[leg.chain]).is_some());
-        if by_leg || end.limb(skeleton, limbs).is_some() {
+        let mut chains = legs.iter().map(|leg| &leg.chain).chain(limbs);
+        if chains.any(|limb| end.part(skeleton, limb) == Some(Part::End)) {
             continue;
         }
         for (at, pose) in poses.iter_mut().enumerate().skip(end.first).take(end.targets.len()) {
@@ -272,16 +286,17 @@ fn lowered(times: &[f64], (feet, lowest): (&[Vec<Demand>], &[f64]), pulled: &[DV
     lowered.zip(lowest).map(|(shift, lowest)| shift.with_y(shift.y.max(*lowest))).collect()
 }
 
-/// What the effectors that are on no leg ask of the body, by sample; samples without any are left out.
+/// What the effectors that are on no foot ask of the body, by sample; samples without any are left out.
 fn other_demands(skeleton: &Skeleton, input: &BodyInput, legs: &[Leg]) -> Vec<(usize, Vec<Demand>)> {
-    let limbs: Vec<Chain> = arms(skeleton).into_iter().flatten().collect();
-    let feet = || legs.iter().filter(|leg| !leg.is_arm());
-    let on_leg = |end: &Effector| feet().any(|leg| end.limb(skeleton, &[leg.chain]).is_some());
-    let ends: Vec<&Effector> = input.effectors.iter().filter(|end| !on_leg(end)).collect();
+    let feet: Vec<Chain> = legs.iter().filter(|leg| !leg.is_arm()).map(|leg| leg.chain).collect();
+    let limbs: Vec<Chain> =
+        bearing_arms(skeleton).into_iter().flatten().chain(feet.iter().copied()).collect();
+    let is_foot = |end: &Effector| feet.iter().any(|leg| end.part(skeleton, leg) == Some(Part::End));
+    let limb = |end: &Effector| limbs.iter().find(|limb| end.part(skeleton, limb).is_some());
+    let ends: Vec<(&Effector, Option<&Chain>)> =
+        input.effectors.iter().filter(|end| !is_foot(end)).map(|end| (end, limb(end))).collect();
     let demands = |at: usize| -> Vec<Demand> {
-        ends.iter()
-            .filter_map(|end| end.demand(skeleton, end.limb(skeleton, &limbs), &input.moved[at], at))
-            .collect()
+        ends.iter().filter_map(|(end, limb)| end.demand(skeleton, *limb, &input.moved[at], at)).collect()
     };
     (0..input.times.len()).map(|at| (at, demands(at))).filter(|(_, demands)| !demands.is_empty()).collect()
 }

@@ -9,7 +9,7 @@ use super::*;
 use crate::clip::Clip;
 use crate::clip::builtin::generate;
 use crate::clip::working::{WORKING_STEP, WorkingClip};
-use crate::full_body::chain::world_frame;
+use crate::full_body::chain::{arms, world_frame};
 use crate::full_body::plants::FEET;
 use crate::full_body::report::TOLERATED;
 use crate::geometry::{log, yaw};
@@ -17,9 +17,9 @@ use crate::index::{JointId, SourceFrame};
 use crate::skeleton::JointRole;
 
 /// Nothing changes farther than this from a constraint, frames.
-const FAR: usize = 32;
+pub(super) const FAR: usize = 32;
 
-fn walk(seconds: f64) -> (Skeleton, BodyInput) {
+pub(super) fn walk(seconds: f64) -> (Skeleton, BodyInput) {
     let clip = generate("walk", &[("seconds".to_owned(), seconds)].into()).expect("a known clip");
     input_of("walk", clip)
 }
@@ -40,12 +40,12 @@ fn input_of(name: &str, clip: Clip) -> (Skeleton, BodyInput) {
     ((*working.clip.skeleton).clone(), input)
 }
 
-fn joint(skeleton: &Skeleton, role: JointRole) -> JointId {
+pub(super) fn joint(skeleton: &Skeleton, role: JointRole) -> JointId {
     skeleton.joint_of(role).expect("the generated body has all joints")
 }
 
 /// `role` held for `frames` frames from `first` on where it is at `first`, shifted.
-fn held(
+pub(super) fn held(
     skeleton: &Skeleton,
     input: &BodyInput,
     role: JointRole,
@@ -54,10 +54,10 @@ fn held(
 ) -> Effector {
     let joint = joint(skeleton, role);
     let position = world_frame(skeleton, &input.moved[at.0], joint).position + shift;
-    Effector { joint, first: at.0, targets: vec![Target { position, rotation: None }; at.1] }
+    Effector { joint, first: at.0, targets: vec![Target { position, rotation: None }; at.1], holds: false }
 }
 
-fn miss(skeleton: &Skeleton, refined: &Refined, end: &Effector) -> f64 {
+pub(super) fn miss(skeleton: &Skeleton, refined: &Refined, end: &Effector) -> f64 {
     let samples = end.first..end.first + end.targets.len();
     samples.filter_map(|at| end.shortfall(skeleton, &refined.poses[at], at)).fold(0.0, f64::max)
 }
@@ -119,7 +119,12 @@ fn the_body_follows_a_hand_that_arms_do_not_reach_and_the_feet_stay() {
     };
     let target =
         Target { position: at + DVec3::new(0.3, -0.2, 0.2).normalize() * (arm + 0.04), rotation: None };
-    let end = Effector { joint: joint(&skeleton, JointRole::LeftHand), first: 100, targets: vec![target] };
+    let end = Effector {
+        joint: joint(&skeleton, JointRole::LeftHand),
+        first: 100,
+        targets: vec![target],
+        holds: false,
+    };
     input.effectors.push(end.clone());
     let refined = refine(&skeleton, &input, PlantMode::AsCaptured);
     assert!(miss(&skeleton, &refined, &end) < TOLERATED, "{}", miss(&skeleton, &refined, &end));
@@ -167,7 +172,7 @@ fn a_foot_goes_where_it_must() {
 }
 
 /// Somebody who stands for three seconds.
-fn standing() -> (Skeleton, BodyInput) {
+pub(super) fn standing() -> (Skeleton, BodyInput) {
     let clip = generate("idle", &[("seconds".to_owned(), 3.0)].into()).expect("a known clip");
     input_of("idle", clip)
 }
@@ -311,7 +316,7 @@ proptest! {
         }
         for (joint, first, place) in ends {
             let target = Target { position: DVec3::from_array(place), rotation: Some(yaw(place[0])) };
-            input.effectors.push(Effector { joint: JointId(joint), first, targets: vec![target; 7] });
+            input.effectors.push(Effector { joint: JointId(joint), first, targets: vec![target; 7], holds: false });
         }
         let mode = if pinned { PlantMode::Pinned } else { PlantMode::AsCaptured };
         let refined = refine(&skeleton, &input, mode);
@@ -360,7 +365,7 @@ proptest! {
         let position = under + DVec3::new(place[0], 0.0, place[2]);
         let targets = vec![Target { position, rotation: None }; frames];
         let joint = joint(&skeleton, JointRole::RightHand);
-        input.effectors.push(Effector { joint, first: at, targets });
+        input.effectors.push(Effector { joint, first: at, targets, holds: false });
         let refined = refine(&skeleton, &input, PlantMode::AsCaptured);
         let lowest = lowest_knee_and_hip(&skeleton, &refined.poses);
         prop_assert!(lowest > KNEES, "{lowest}");

@@ -96,7 +96,7 @@ fn reaching(skeleton: &Skeleton, poses: &[Pose]) -> Vec<Effector> {
         let starts = [poses.len() / 3, 2 * poses.len() / 3];
         starts.map(move |first| {
             let held = poses.iter().skip(first).take(HELD);
-            Effector { joint: limb.lower, first, targets: held.map(target).collect() }
+            Effector { joint: limb.lower, first, targets: held.map(target).collect(), holds: false }
         })
     });
     ends.collect()

@@ -5,6 +5,7 @@ use cotillion::clip::contacts::{ContactPoint, Contacts, contact_point};
 use cotillion::full_body::chain::{arms, legs};
 use cotillion::full_body::limits::{Cone, MOST_BENT};
 use cotillion::full_body::smooth::largest_acceleration;
+use cotillion::full_body::wrist::{SWING, TWIST, Wrist};
 use cotillion::geometry::log;
 use cotillion::metrics::foot_slide;
 use cotillion::skeleton::{Pose, Skeleton};
@@ -86,16 +87,20 @@ pub(crate) fn below_ground(skeleton: &Skeleton, before: &[Pose], after: &[Pose])
     (lowest(before) - lowest(after)).max(0.0)
 }
 
-/// How far thighs, upper arms, knees and elbows go beyond what limbs are brought to, radians.
+/// How far thighs, upper arms, knees, elbows and wrists go beyond what limbs are brought to, radians.
 pub(crate) fn beyond_limits(skeleton: &Skeleton, poses: &[Pose]) -> f64 {
     let beyond = legs(skeleton).into_iter().chain(arms(skeleton)).flatten().flat_map(|limb| {
         let cone = Cone::of(skeleton, &limb);
+        let is_arm = arms(skeleton).contains(&Some(limb));
+        let wrist = Wrist::of(skeleton, &limb).filter(|_| is_arm);
         poses.iter().map(move |pose| {
             let place = limb.place(skeleton, pose);
             let above = place.upper_rotation * pose.rotations[limb.upper.as_usize()].inverse();
             let bone = place.limb.middle - place.limb.upper;
             let swing = cone.map_or(0.0, |cone| bone.angle_between(above * cone.axis) - cone.angle);
-            swing.max(place.limb.bend() - MOST_BENT)
+            let hand = pose.rotations[limb.lower.as_usize()];
+            let [tilt, twist] = wrist.map_or([0.0; 2], |wrist| wrist.angles(hand));
+            swing.max(place.limb.bend() - MOST_BENT).max(tilt - SWING).max(twist - TWIST)
         })
     });
     beyond.fold(0.0, f64::max)
