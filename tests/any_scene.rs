@@ -24,9 +24,9 @@ const HARD: f64 = 1e-8;
 /// … and to this share of the farthest place: the facing of a posed skeleton is rounded to some 1e-13, which shows at the far
 /// end of an offset.
 const ROUNDING: f64 = 1e-12;
-/// A path so many metres away has its places rounded, and the turn of steps as short as these with them; that shows at the far
-/// end of an offset as long, metres.
-const STEP: f64 = 0.04;
+/// A path so many metres away has its places rounded, and the turn of steps as short as these, a sway's, with them; that shows at
+/// the far end of an offset as long, metres.
+const STEP: f64 = 0.002;
 
 /// Hard places beside what is carried hold to this, metres, and in degrees.
 const SETTLED: f64 = 1e-6;
@@ -247,7 +247,7 @@ fn perform(text: &str) -> Result<bool, TestCaseError> {
                 prop_assert!(
                     miss.unwrap_or(0.0)
                         < least + ROUNDING * farthest + f64::EPSILON * farthest * farthest / STEP,
-                    "{} of {text}",
+                    "{miss:?} at {farthest}: {} of {text}",
                     constraint.name
                 );
             }

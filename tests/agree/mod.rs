@@ -8,6 +8,9 @@ use cotillion::scene::Scene;
 const PLACES: f64 = 1e-8;
 /// Farther than any stage, metres.
 const FAR: f64 = 100.0;
+/// Where nothing but the rest motion says how a scene is turned as a whole, that is known to `ε (r/s)²` at `r` metres from where
+/// it was, if people hardly move: `s`, metres, is the extent of a sway. Places turn about the middle with it.
+const SWAY: f64 = 0.1;
 /// Times of the two, seconds.
 const TIMES: f64 = 1e-9;
 /// Energies of the two: relative, and in Ê.
@@ -35,12 +38,13 @@ fn same_error(reduced: &EditError, direct: &EditError) -> Result<(), String> {
 }
 
 fn same_edit(reduced: &Edit, direct: &Edit) -> Result<(), String> {
-    let lever = direct.characters.iter().flat_map(|c| &c.positions).map(|p| p.norm()).fold(FAR, f64::max);
-    let lever = (lever / FAR).powi(2);
+    let farthest = direct.characters.iter().flat_map(|c| &c.positions).map(|p| p.norm()).fold(FAR, f64::max);
+    let lever = (farthest / FAR).powi(2);
+    let turned = f64::EPSILON * farthest * (farthest / SWAY).powi(2);
     for (index, (own, other)) in reduced.characters.iter().zip(&direct.characters).enumerate() {
         for (frame, (p, q)) in own.positions.iter().zip(&other.positions).enumerate() {
             let apart = (p - q).norm();
-            if apart.is_nan() || apart > PLACES * lever {
+            if apart.is_nan() || apart > PLACES * lever + turned {
                 return Err(format!("character {index} at frame {frame}: {p} or {q}, {apart:e} apart"));
             }
         }
