@@ -9,6 +9,8 @@ mod clips;
 mod hands;
 mod measure;
 mod roll;
+mod still;
+mod stride;
 mod tear;
 
 use std::f64::consts::FRAC_PI_2;
@@ -16,9 +18,7 @@ use std::path::{Path, PathBuf};
 
 use bend::{Bend, bent};
 use clips::{CLIPS, ON_HANDS, OTHERS, RAISED, Stretch, WINDING, Walk, load, stretches};
-use cotillion::clip::contacts::{ContactPoint, Contacts, runs};
-use cotillion::full_body::plants::{FEET, bearing};
-use cotillion::full_body::{BodyInput, PlantMode, PlantedPoint, Refined, Seams, WholeContact, refine};
+use cotillion::full_body::{BodyInput, PlantMode, PlantedPoint, Refined, Seams, refine};
 use cotillion::skeleton::Pose;
 use hands::{bears_on_hands, reaches};
 use libtest_mimic::{Arguments, Failed, Trial};
@@ -26,6 +26,8 @@ use measure::{
     below_ground, beyond_limits, bone_change, height_change, knee_acceleration, largest_change, slide,
 };
 use roll::{ROLLS, rolls_too_far_to_be_held};
+use still::{bearing_frames, hardly_changes, hardly_changes_at_own_rate};
+use stride::{STRIDES, strides_too_far_to_be_held};
 use tear::{Strides, factors, is_torn};
 
 /// Bent by 90° to either side, stretched by ±30 %, and both.
@@ -116,6 +118,13 @@ fn main() {
         rolls_too_far_to_be_held,
         ROLLS,
     );
+    for file in STRIDES {
+        push(
+            format!("{file} strides too far to hold whole contacts within 5 degrees"),
+            strides_too_far_to_be_held,
+            file,
+        );
+    }
     for file in CLIPS.into_iter().filter(|file| file.contains(".amc") && *file != DIVE) {
         push(format!("{file} keeps its plants at 120 frames a second"), stands_at_own_rate, file);
     }
@@ -316,85 +325,6 @@ fn stays_untouched(folder: &Path, file: &str) -> Result<(), Failed> {
     } else {
         Err(format!("placed and turned, a joint turns by {change:e}").into())
     }
-}
-
-fn hardly_changes(folder: &Path, file: &str) -> Result<(), Failed> {
-    holds_still(&load(folder, file)?, file)
-}
-
-fn hardly_changes_at_own_rate(folder: &Path, file: &str) -> Result<(), Failed> {
-    holds_still(&load(folder, file)?.at_rate(OWN_RATE), file)
-}
-
-fn holds_still(walk: &Walk, file: &str) -> Result<(), Failed> {
-    let stretch = walk.stretch((0, walk.poses.len() - 1));
-    let result = refined(&stretch, stretch.rest, PlantMode::Pinned);
-    let change = largest_change(stretch.rest, &result.poses);
-    let reported = result.report.largest_change.map_or(0.0, |change| change.angle);
-    let count = |contacts: &[Contacts]| -> usize {
-        let bears =
-            |contact: &Contacts| ContactPoint::FEET.iter().filter(|point| contact.at(**point)).count();
-        contacts.iter().map(bears).sum()
-    };
-    let share = count(&result.planted) as f64 / count(stretch.contacts) as f64;
-    let on_a_point = bearing_frames(&result.planted) as f64 / bearing_frames(stretch.contacts) as f64;
-    let whole = &result.report.contacts;
-    let drift = whole.iter().map(|contact| contact.drift - contact.captured_drift).fold(0.0, f64::max);
-    tell(&format!(
-        "{file} pinned: {:.2} degrees, {share:.2} of the contacts held, on a point that stands {on_a_point:.2} of the \
-         time, whole contacts drift {drift:.4} m more than captured",
-        change.to_degrees()
-    ));
-    let frames = |contact: &WholeContact| (contact.last + 1 - contact.first) as f64;
-    let told: f64 = whole.iter().map(|contact| contact.held * frames(contact)).sum();
-    if (told - count(&result.planted) as f64).abs() > 1e-6 {
-        return Err(format!("{told} frames told as held").into());
-    }
-    if share < HELD_OF_CONTACTS || on_a_point < HELD_BY_A_POINT || drift > WHOLE_DRIFT {
-        return Err(format!("{share} of the contacts, {on_a_point} of the time, drift {drift} m").into());
-    }
-    let unheld = unheld_steps(stretch.contacts, &result.planted);
-    if unheld > 0 {
-        return Err(format!("{unheld} steps hold no point of the foot").into());
-    }
-    if (change - reported).abs() < 1e-9 && change < PINNED_CHANGE {
-        return Ok(());
-    }
-    Err(format!("{:.2}°, reported {:.2}°", change.to_degrees(), reported.to_degrees()).into())
-}
-
-/// Frames of either foot at which its heel or its toe bears.
-fn bearing_frames(contacts: &[Contacts]) -> usize {
-    let of_foot = |soles| {
-        let [heel, toe] = bearing(contacts, soles);
-        heel.into_iter().zip(toe).filter(|(heel, toe)| *heel || *toe).count()
-    };
-    FEET.into_iter().map(of_foot).sum()
-}
-
-/// Of the frames of heels' and toes' contacts at least so many are held. A heel's contact lasts until the ankle is a hand's
-/// breadth up: most of the rest is a heel that rises while the toe stands.
-const HELD_OF_CONTACTS: f64 = 0.55;
-/// Of the frames at which a foot bears, heel or toe is held in at least so many: 0.71 to 0.88 in the walks of CMU 16, 0.80 to 0.94
-/// in those of SNU.
-const HELD_BY_A_POINT: f64 = 0.7;
-/// Over whole contacts, held or not, points go no farther from their mean place than captured but for this, metres: where one
-/// point is held the other turns about it.
-const WHOLE_DRIFT: f64 = 0.015;
-/// Steps shorter than this may be the rest of one before the clip begins, frames.
-const STEP: usize = 8;
-/// Stretches in which a foot bears and neither its heel nor its toe is held at any time.
-fn unheld_steps(contacts: &[Contacts], planted: &[Contacts]) -> usize {
-    let any = |contacts: &[Contacts], side: usize| -> Vec<bool> {
-        let [heel, toe] = bearing(contacts, FEET[side]);
-        heel.into_iter().zip(toe).map(|(heel, toe)| heel || toe).collect()
-    };
-    let unheld = |side: usize| {
-        let held = any(planted, side);
-        let steps = runs(&any(contacts, side)).into_iter().filter(|(first, last)| last + 1 - first >= STEP);
-        steps.filter(|(first, last)| !held[*first..=*last].contains(&true)).count()
-    };
-    unheld(0) + unheld(1)
 }
 
 #[expect(clippy::print_stderr, reason = "the table is asked for")]
