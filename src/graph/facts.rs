@@ -18,6 +18,7 @@ const SAME_PHASE: f64 = 0.1;
 const SERVED: usize = 10;
 
 /// A pair within one clip.
+#[derive(Clone, Copy)]
 struct Own {
     i: usize,
     j: usize,
@@ -26,7 +27,8 @@ struct Own {
 /// Facts about the transitions of clip `clip` of `graph`, which is `working`, onto itself.
 pub fn transition_facts(graph: &MotionGraph, clip: usize, working: &WorkingClip) -> TransitionFacts {
     let body = graph.bodies[graph.clips[clip].body];
-    let (all_pairs, pairs) = own_pairs(graph, clip);
+    let all = own_pairs(graph, clip);
+    let pairs: Vec<Own> = all.iter().copied().filter(|pair| EDITABLE.contains(&(pair.j - pair.i))).collect();
     let moves = moving(working);
     let (walking, idle): (Vec<&Own>, Vec<&Own>) =
         pairs.iter().partition(|pair| moves[pair.i] && moves[pair.j]);
@@ -40,35 +42,31 @@ pub fn transition_facts(graph: &MotionGraph, clip: usize, working: &WorkingClip)
         frames,
         median_distance: body.median,
         largest_distance: body.largest,
-        all_pairs,
+        all_pairs: all.len(),
         pairs: pairs.len(),
         per_second: pairs.len() as f64 / (frames as f64 * WORKING_STEP),
         idle: idle.len(),
         known_phase: phases.len(),
         whole_cycles: (!phases.is_empty()).then(|| same as f64 / phases.len() as f64),
         cycle: gait.cycle,
-        feet_apart: gait.cycle.and_then(|_| largest_disagreement(working, &pairs)),
+        feet_apart: gait.cycle.and_then(|_| largest_disagreement(working, &all)),
         turn_deg: median(turns.collect()),
         without: unserved(frames, &pairs),
         looping: largest_loop(graph, clip),
     }
 }
 
-/// How many pairs have both frames in the clip, and those of them that edits may use.
-fn own_pairs(graph: &MotionGraph, clip: usize) -> (usize, Vec<Own>) {
+/// The pairs that have both frames in the clip.
+fn own_pairs(graph: &MotionGraph, clip: usize) -> Vec<Own> {
     let of = &graph.clips[clip];
     let first = of.first.as_usize();
-    let (mut all, mut pairs) = (0, Vec::new());
-    for i in 0..of.frames {
+    let after = |i: usize| {
         let similar = graph.similar_to(GraphFrame::from_usize(first + i)).map(|(j, _)| j.as_usize());
-        for j in similar.filter(|j| (first + i + 1..first + of.frames).contains(j)).map(|j| j - first) {
-            all += 1;
-            if EDITABLE.contains(&(j - i)) {
-                pairs.push(Own { i, j });
-            }
-        }
-    }
-    (all, pairs)
+        similar
+            .filter(move |j| (first + i + 1..first + of.frames).contains(j))
+            .map(move |j| Own { i, j: j - first })
+    };
+    (0..of.frames).flat_map(after).collect()
 }
 
 /// Largest difference of how far the left foot is ahead of the right one, as a share of its range in the clip.

@@ -3,8 +3,8 @@
 //! Nodes are the working frames of all clips. An edge a → b other than to the next frame means *after showing a, show b*;
 //! it exists where frames a and b − 1 are similar, so the graph is held as the similar pairs (i, j), each of which gives i → j+1
 //! and j → i+1. Pairs are similar if their distance ([`crate::similarity`]) is a local minimum of the distance matrix below
-//! min(0.4·M, 1), M the median over moving frames of the same body, and the same feet bear. Clips of different bodies are not
-//! compared.
+//! min(0.4·M, 1), M the median over moving frames of the same body, the same feet bear, and
+//! where there is a gait one is as far ahead of the other. Clips of different bodies are not compared.
 //!
 //! # Cost
 //! The distance matrix of n frames of one body is a matrix product, `n²/2` entries of about 90 features, in tiles and in
@@ -167,9 +167,9 @@ pub fn material(clips: &[Arc<WorkingClip>]) -> Material {
     let side = |(features, clip): (Features, &Arc<WorkingClip>)| Side {
         factors: Factors::new(&features),
         features,
-        feet: Feet::new(&clip.contacts),
+        feet: Feet::of(clip),
     };
-    Material { sides: all.into_iter().zip(clips).map(side).collect(), bodies, admissible }
+    Material { sides: all.into_par_iter().zip(clips).map(side).collect(), bodies, admissible }
 }
 
 /// Motion graph of what `material` is of. Cost: quadratic in the frames of each body.
@@ -225,7 +225,7 @@ fn graph_clips(material: &Material) -> Vec<GraphClip> {
     let sides = material.sides.iter().zip(&material.bodies);
     sides
         .map(|(side, body)| {
-            let frames = side.feet.0.len();
+            let frames = side.feet.bear.len();
             let clip = GraphClip { first: GraphFrame::from_usize(first), frames, body: *body };
             first += frames;
             clip

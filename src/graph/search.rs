@@ -20,7 +20,7 @@ pub(super) struct Side {
     pub features: Features,
     /// The same, ready for products.
     pub factors: Factors,
-    /// When its feet bear.
+    /// What its feet do.
     pub feet: Feet,
 }
 

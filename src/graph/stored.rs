@@ -41,9 +41,12 @@ impl GraphKey {
         for (side, body) in material.sides.iter().zip(&material.bodies) {
             add(*body as u64);
             add(side.features.width as u64);
-            add(side.feet.0.len() as u64);
+            add(side.feet.bear.len() as u64);
             side.features.values.iter().for_each(|value| add(value.to_bits()));
-            side.feet.0.iter().for_each(|[left, right]| add(u64::from(*left) + 2 * u64::from(*right)));
+            side.feet.bear.iter().for_each(|[left, right]| add(u64::from(*left) + 2 * u64::from(*right)));
+            add(u64::from(side.feet.apart.is_some()));
+            let apart = side.feet.apart.iter().flat_map(|(apart, _)| apart);
+            apart.for_each(|apart| add(apart.to_bits()));
         }
         Self(hash.finalize().into())
     }

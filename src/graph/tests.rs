@@ -25,12 +25,12 @@ fn working(name: &str, parameters: &[(&str, f64)]) -> Arc<WorkingClip> {
 
 fn side(frames: &[[f64; 3]], feet: &[[bool; 2]]) -> Side {
     let features = Features { width: 3, values: frames.concat() };
-    Side { factors: Factors::new(&features), features, feet: Feet(feet.to_vec()) }
+    Side { factors: Factors::new(&features), features, feet: Feet { bear: feet.to_vec(), apart: None } }
 }
 
 /// Local maxima of the whole matrix, from the most alike on, each unless an accepted one is near.
 fn by_the_book(block: &Block) -> Vec<(usize, usize)> {
-    let count = |side: &Side| side.feet.0.len();
+    let count = |side: &Side| side.feet.bear.len();
     let distance_sq = |i: usize, j: usize| block.rows.features.distance_sq(i, &block.columns.features, j);
     let is_ridge = block.settings.maxima == Maxima::Ridge;
     let is_maximum = |i: usize, j: usize| {
