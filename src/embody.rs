@@ -18,13 +18,14 @@ use crate::fingers::hold_fingers;
 use crate::full_body::{BodyInput, BodyReport, Cut, Effector, PlantMode, Seams, Target, refine};
 use crate::geometry::slerp;
 use crate::index::{CharacterId, SourceFrame};
-use crate::object_motion::{ObjectMotion, Performance, object_motions, skeleton_of};
+use crate::object_motion::{Performance, object_motions, skeleton_of};
 use crate::reach::{
     JointTarget, Others, Source, Stage, carry_targets, constrained_times, effector_targets, partners,
 };
 use crate::resample::{Resampled, shown_contacts_at};
 use crate::scene::{Plants, Scene};
 use crate::skeleton::Pose;
+use crate::ties::Ties;
 use crate::track::{Run, Track};
 
 /// Moments this near to an output frame are at it, seconds.
@@ -45,34 +46,49 @@ pub struct Body {
     pub report: BodyReport,
 }
 
-/// Everybody after this stage.
+/// Everybody after this stage, or some.
 #[derive(Clone)]
 pub struct Embodied<'a> {
     /// Before it.
     pub moved: Moved<'a>,
-    /// As the scene's characters; empty where the stage is off.
+    /// Whose bodies these are, rising.
+    pub members: Vec<CharacterId>,
+    /// Of each of these; empty where the stage is off.
     pub bodies: Vec<Body>,
+}
+
+impl Embodied<'_> {
+    /// Body of a character; `None` where it is not among these, or the stage is off.
+    pub fn body(&self, who: CharacterId) -> Option<&Body> {
+        self.bodies.get(self.members.binary_search(&who).ok()?)
+    }
 }
 
 /// Corrects everybody, where the scene wants it. `resampled`: the edit on the clock, whose clips are replaced.
 /// Cost: linear in output frames, joints and constrained moments.
 pub fn embody<'a>(scene: &'a Scene, edit: &'a Edit, resampled: &mut Resampled) -> Embodied<'a> {
     let moved = Moved { scene, characters: &edit.characters };
+    let (objects, ties) = (object_motions(scene, &moved), Ties::of(scene));
+    embody_some(&Stage { scene, performance: &moved, objects: &objects, ties: &ties }, resampled)
+}
+
+/// [`embody`] of those who are in `resampled`; all that one of them reaches must be ([`closed_groups`]).
+pub fn embody_some<'a>(stage: &Stage<'_, Moved<'a>>, resampled: &mut Resampled) -> Embodied<'a> {
+    let (scene, moved) = (stage.scene, *stage.performance);
+    let members = resampled.members.clone();
     if !scene.full_body.enabled {
-        return Embodied { moved, bodies: Vec::new() };
+        return Embodied { moved, members, bodies: Vec::new() };
     }
-    let objects = object_motions(scene, &moved);
     let start = resampled.start_time;
-    let clocks: Vec<(f64, usize)> = resampled.clips.iter().map(|clip| (start, clip.frame_count())).collect();
-    let mut done: Vec<Option<Body>> = vec![None; scene.characters.len()];
-    for round in rounds(scene) {
-        let turn = |group: &Vec<CharacterId>| in_turn((&moved, &objects), &done, (group, &clocks));
+    let clocks: BTreeMap<CharacterId, (f64, usize)> =
+        members.iter().zip(&resampled.clips).map(|(who, clip)| (*who, (start, clip.frame_count()))).collect();
+    let mut done: BTreeMap<CharacterId, Body> = BTreeMap::new();
+    for round in rounds(stage, &members) {
+        let turn = |group: &Vec<CharacterId>| in_turn(stage, &done, (group, &clocks));
         let bodies: Vec<(CharacterId, Body)> = round.par_iter().flat_map_iter(turn).collect();
-        for (who, body) in bodies {
-            done[who.as_usize()] = Some(body);
-        }
+        done.extend(bodies);
     }
-    let bodies: Vec<Body> = done.into_iter().flatten().collect();
+    let bodies: Vec<Body> = done.into_values().collect();
     for (clip, body) in resampled.clips.iter_mut().zip(&bodies) {
         let frames = 0..clip.frame_count();
         let samples: Vec<usize> =
@@ -82,7 +98,7 @@ pub fn embody<'a>(scene: &'a Scene, edit: &'a Edit, resampled: &mut Resampled) -
         let made = Clip::from_poses(&clip.name, Arc::clone(&clip.skeleton), clip.fps, &poses);
         *clip = Clip { contacts: hands(&planted), ..made };
     }
-    Embodied { moved, bodies }
+    Embodied { moved, members, bodies }
 }
 
 /// What is to be stated of a clip whose points bear as in `planted`, one a frame: hands, which nobody finds.
@@ -101,13 +117,13 @@ fn hands(planted: &[Contacts]) -> Vec<AnnotatedContact> {
 
 /// Who is corrected when: groups of characters that reach each other, those of one round in parallel, each after all that it
 /// reaches. Cost: quadratic in characters that reach one another in a row, linear in all others.
-fn rounds(scene: &Scene) -> Vec<Vec<Vec<CharacterId>>> {
-    let known: Vec<BTreeSet<CharacterId>> =
-        (0..scene.characters.len()).map(|who| known_by(scene, CharacterId::from_usize(who))).collect();
+fn rounds<P>(stage: &Stage<'_, P>, members: &[CharacterId]) -> Vec<Vec<Vec<CharacterId>>> {
+    let known: BTreeMap<CharacterId, BTreeSet<CharacterId>> =
+        members.iter().map(|who| (*who, known_by(stage, *who))).collect();
     let mut rounds: BTreeMap<usize, Vec<Vec<CharacterId>>> = BTreeMap::new();
-    for (who, others) in known.iter().enumerate() {
-        let who = CharacterId::from_usize(who);
-        let mutual = others.iter().filter(|other| known[other.as_usize()].contains(&who));
+    for (who, others) in &known {
+        let who = *who;
+        let mutual = others.iter().filter(|other| known[other].contains(&who));
         let group: Vec<CharacterId> = mutual.copied().collect();
         if group[0] == who {
             // Who knows a group from outside knows more than it does.
@@ -117,12 +133,40 @@ fn rounds(scene: &Scene) -> Vec<Vec<Vec<CharacterId>>> {
     rounds.into_values().collect()
 }
 
+/// The characters of a scene in groups that reach nobody outside, in the order of the scene: what can be corrected one after the
+/// other. Cost: linear in characters and end effectors.
+pub fn closed_groups(scene: &Scene, ties: &Ties) -> Vec<Vec<CharacterId>> {
+    let everybody = || (0..scene.characters.len()).map(CharacterId::from_usize);
+    let mut beside: Vec<Vec<CharacterId>> = vec![Vec::new(); scene.characters.len()];
+    for who in everybody() {
+        for partner in partners(scene, ties, who) {
+            beside[who.as_usize()].push(partner);
+            beside[partner.as_usize()].push(who);
+        }
+    }
+    let mut is_placed = vec![false; beside.len()];
+    let mut groups = Vec::new();
+    for first in everybody() {
+        let (mut group, mut open) = (Vec::new(), vec![first]);
+        while let Some(who) = open.pop() {
+            if !std::mem::replace(&mut is_placed[who.as_usize()], true) {
+                group.push(who);
+                open.extend(&beside[who.as_usize()]);
+            }
+        }
+        group.sort_unstable();
+        groups.extend((!group.is_empty()).then_some(group));
+    }
+    groups
+}
+
 /// A character, all whose bodies it must know, and all whose these must.
-fn known_by(scene: &Scene, who: CharacterId) -> BTreeSet<CharacterId> {
+fn known_by<P>(stage: &Stage<'_, P>, who: CharacterId) -> BTreeSet<CharacterId> {
     let mut known = BTreeSet::from([who]);
     let mut open = vec![who];
     while let Some(next) = open.pop() {
-        open.extend(partners(scene, next).into_iter().filter(|partner| known.insert(*partner)));
+        let partners = partners(stage.scene, stage.ties, next);
+        open.extend(partners.into_iter().filter(|partner| known.insert(*partner)));
     }
     known
 }
@@ -133,15 +177,15 @@ const SWEEPS: usize = 3;
 
 /// Corrects a group; `done`: of everybody who is corrected already. `clocks`: of everybody, see [`sample_times`].
 fn in_turn(
-    (moved, objects): (&Moved<'_>, &[ObjectMotion]),
-    done: &[Option<Body>],
-    (group, clocks): (&[CharacterId], &[(f64, usize)]),
+    stage: &Stage<'_, Moved<'_>>,
+    done: &BTreeMap<CharacterId, Body>,
+    (group, clocks): (&[CharacterId], &BTreeMap<CharacterId, (f64, usize)>),
 ) -> Vec<(CharacterId, Body)> {
     let mut bodies: Vec<(CharacterId, Body)> = Vec::with_capacity(group.len());
     let sweeps = if group.len() > 1 { SWEEPS } else { 1 };
     for who in std::iter::repeat_n(group, sweeps).flatten() {
-        let so_far = SoFar { moved, done, group: &bodies };
-        let body = body((moved, objects), &so_far, (*who, clocks[who.as_usize()]));
+        let so_far = SoFar { moved: stage.performance, done, group: &bodies };
+        let body = body(stage, &so_far, (*who, clocks[who]));
         match bodies.iter_mut().find(|(known, _)| known == who) {
             Some((_, known)) => *known = body,
             None => bodies.push((*who, body)),
@@ -153,31 +197,26 @@ fn in_turn(
 /// Everybody as corrected so far.
 struct SoFar<'a> {
     moved: &'a Moved<'a>,
-    done: &'a [Option<Body>],
+    done: &'a BTreeMap<CharacterId, Body>,
     group: &'a [(CharacterId, Body)],
 }
 
 impl SoFar<'_> {
     fn body(&self, who: CharacterId) -> Option<&Body> {
         let in_group = self.group.iter().find(|(known, _)| *known == who).map(|(_, body)| body);
-        in_group.or(self.done[who.as_usize()].as_ref())
+        in_group.or(self.done.get(&who))
     }
 }
 
 /// One character; `clock`: scene time of output frame 0, and how many the character has.
-fn body(
-    (moved, objects): (&Moved<'_>, &[ObjectMotion]),
-    so_far: &SoFar<'_>,
-    (who, clock): (CharacterId, (f64, usize)),
-) -> Body {
-    let scene = moved.scene;
-    let times = sample_times(scene, moved, who, clock);
+fn body(stage: &Stage<'_, Moved<'_>>, so_far: &SoFar<'_>, (who, clock): (CharacterId, (f64, usize))) -> Body {
+    let (scene, moved) = (stage.scene, stage.performance);
+    let times = sample_times((scene, stage.ties), moved, who, clock);
     let track = &scene.characters[who.as_usize()].track;
     let frames: Vec<f64> = times.iter().map(|time| moved.frame(who, *time)).collect();
-    let stage = Stage { scene, performance: moved, objects };
-    let mut targets = carry_targets(&stage, who, &times);
+    let mut targets = carry_targets(stage, who, &times);
     let others = Others { performance: so_far, corrected: &|who| so_far.body(who).is_some() };
-    targets.extend(effector_targets(&stage, &others, who, &times));
+    targets.extend(effector_targets(stage, &others, who, &times));
     let before: Vec<Pose> = frames.iter().map(|frame| moved.pose(who, *frame)).collect();
     let mut input = BodyInput {
         rest: frames.iter().map(|frame| track.pose(*frame)).collect(),
@@ -187,7 +226,7 @@ fn body(
         seams: seams(track, &frames),
         times,
     };
-    hold_fingers(&stage, who, (&input.times, &mut input.moved));
+    hold_fingers(stage, who, (&input.times, &mut input.moved));
     let mode = match scene.full_body.plants {
         Plants::AsCaptured => PlantMode::AsCaptured,
         Plants::Pinned => PlantMode::Pinned,
@@ -221,7 +260,7 @@ fn seams(track: &Track, frames: &[f64]) -> Seams {
 /// Scene times at which a character is looked at: output frames, and constrained moments between them; rising. `clock`: scene
 /// time of output frame 0, and how many the character has.
 pub fn sample_times(
-    scene: &Scene,
+    (scene, ties): (&Scene, &Ties),
     performance: &impl Performance,
     who: CharacterId,
     (start, count): (f64, usize),
@@ -234,7 +273,7 @@ pub fn sample_times(
         let ticks = (time - start) * fps;
         (start..=end + 1.0 / fps).contains(time) && (ticks - ticks.round()).abs() > AT_FRAME * fps
     };
-    times.extend(constrained_times(scene, performance, who).into_iter().filter(is_between));
+    times.extend(constrained_times((scene, ties), performance, who).into_iter().filter(is_between));
     times.sort_by(f64::total_cmp);
     times
 }
@@ -314,6 +353,6 @@ impl Performance for Embodied<'_> {
     }
 
     fn pose(&self, who: CharacterId, frame: f64) -> Pose {
-        pose_of(&self.moved, self.bodies.get(who.as_usize()), (who, frame))
+        pose_of(&self.moved, self.body(who), (who, frame))
     }
 }

@@ -18,7 +18,8 @@ pub fn hold_fingers<P: Performance>(
     who: CharacterId,
     (times, poses): (&[f64], &mut [Pose]),
 ) {
-    let spans = stage.objects.iter().flat_map(|motion| &motion.spans);
+    let objects = stage.ties.objects(stage.scene, who).into_iter();
+    let spans = objects.flat_map(|object| &stage.objects[object.as_usize()].spans);
     let skeleton = skeleton_of(stage.scene, who);
     let mut holds = Vec::new();
     for span in spans {

@@ -42,6 +42,7 @@ pub mod path;
 pub mod track;
 pub mod scene;
 pub mod object_motion;
+pub mod ties;
 pub mod edit;
 pub mod graph;
 pub mod discrete;

@@ -7,6 +7,7 @@ use crate::object_motion::{AtRest, Performance, skeleton_of};
 use crate::resample::bearing_contacts_at;
 use crate::scene::Scene;
 use crate::skeleton::Pose;
+use crate::ties::Ties;
 
 /// Mean slide of a character's feet, m/s: before the edit, and in `result`; 0 where nothing bears.
 ///
@@ -15,7 +16,7 @@ use crate::skeleton::Pose;
 /// So the numbers compare whatever the clock's phase. `clock`: scene time of output frame 0, and how many the character has.
 /// Cost: linear in output frames and joints.
 pub fn shown_slides(
-    scene: &Scene,
+    (scene, ties): (&Scene, &Ties),
     result: &impl Performance,
     who: CharacterId,
     clock: (f64, usize),
@@ -23,7 +24,7 @@ pub fn shown_slides(
     let track = &scene.characters[who.as_usize()].track;
     let last = track.frame_count() as f64 - 1.0 + track.overhang();
     let [start, end] = [0.0, last].map(|frame| result.time(who, frame));
-    let mut times = sample_times(scene, result, who, clock);
+    let mut times = sample_times((scene, ties), result, who, clock);
     times.retain(|time| (start..=end).contains(time));
     let frames: Vec<f64> = times.iter().map(|time| result.frame(who, *time)).collect();
     let bears = bearing_contacts_at(track, &frames);

@@ -12,7 +12,7 @@ use crate::clip::working::WORKING_STEP;
 use crate::constraint::Moment;
 use crate::geometry::{plan_of, yaw};
 use crate::index::{CharacterId, JointId, ObjectId, floor_index};
-use crate::object::{Carry, ObjectPose, hand_overs};
+use crate::object::{Carry, Course, ObjectPose, hand_overs};
 use crate::scene::Scene;
 use crate::skeleton::{JointFrame, JointRole, Pose, Skeleton};
 
@@ -152,19 +152,16 @@ pub fn overlap(scene: &Scene, performance: &impl Performance) -> Option<Overlap>
 ///
 /// Carries that overlap are cut short where the next begins, in the order of the file; [`overlap`] finds them.
 pub fn object_motions(scene: &Scene, performance: &impl Performance) -> Vec<ObjectMotion> {
-    let ids = (0..scene.objects.len()).map(ObjectId::from_usize);
-    ids.map(|object| object_motion(scene, performance, object)).collect()
-}
-
-fn object_motion(scene: &Scene, performance: &impl Performance, object: ObjectId) -> ObjectMotion {
     let itself = Span { from: f64::NEG_INFINITY, to: f64::INFINITY, owner: Owner::Itself };
-    let mut motion = ObjectMotion { object, spans: vec![itself] };
-    for (index, carry) in scene.carries.iter().enumerate().filter(|(_, carry)| carry.object == object) {
+    let still = |object| ObjectMotion { object, spans: vec![itself.clone()] };
+    let mut motions: Vec<ObjectMotion> =
+        (0..scene.objects.len()).map(ObjectId::from_usize).map(still).collect();
+    for (index, carry) in scene.carries.iter().enumerate() {
         let [grasp, release] =
             [&carry.during.0, &carry.during.1].map(|moment| moment_time(scene, performance, moment));
-        motion.grasp(scene, performance, (index, grasp, release));
+        motions[carry.object.as_usize()].grasp(scene, performance, (index, grasp, release));
     }
-    motion
+    motions
 }
 
 impl ObjectMotion {
@@ -205,6 +202,11 @@ impl ObjectMotion {
             Owner::Carried(hold) => hold.pose_at(&scene.carries[hold.carry], (scene, performance), seconds),
             Owner::Left { pose, .. } => *pose,
         }
+    }
+
+    /// Whether the object is ever elsewhere than at first: it has keys, or somebody carries it.
+    pub fn moves(&self, scene: &Scene) -> bool {
+        self.spans.len() > 1 || matches!(scene.objects[self.object.as_usize()].course, Course::Keys(_))
     }
 
     /// The span that holds at a scene time; at a hand-over the one that begins.

@@ -3,19 +3,22 @@
 //! Targets are those of the full body: the hands of whoever carries an object, where they hold it, and the end effectors of
 //! the scene. Samples are scene times of one character, the frames of the clock and [`constrained_times`] between them.
 
+mod missed;
+
 use std::ops::Range;
 
 use glam::{DQuat, DVec3};
 
 use crate::constraint::{Moment, When};
 use crate::effector::{EffectorTarget, EndEffector, Orientation};
-use crate::geometry::{log, yaw};
+use crate::geometry::yaw;
 use crate::index::{CharacterId, JointId};
-use crate::object_motion::{
-    AtRest, ObjectMotion, Owner, Performance, moment_time, object_motions, skeleton_of,
-};
+use crate::object_motion::{AtRest, ObjectMotion, Owner, Performance, moment_time, skeleton_of};
 use crate::scene::Scene;
 use crate::skeleton::{JointFrame, JointRole};
+use crate::ties::Ties;
+
+pub use missed::{carry_residuals, carry_residuals_of, effector_residual, effector_residuals};
 
 /// Samples this near to a moment are at it, seconds.
 const AT_MOMENT: f64 = 1e-7;
@@ -56,6 +59,15 @@ pub struct Stage<'a, P> {
     pub performance: &'a P,
     /// The objects along time.
     pub objects: &'a [ObjectMotion],
+    /// Who is tied to what in the scene.
+    pub ties: &'a Ties,
+}
+
+impl<P> Stage<'_, P> {
+    /// End effectors of a character's own and those that reach it, with their positions in the scene.
+    fn effectors(&self, who: CharacterId) -> impl Iterator<Item = (usize, &EndEffector)> {
+        self.ties.effectors[who.as_usize()].iter().map(|index| (*index, &self.scene.end_effectors[*index]))
+    }
 }
 
 /// Everybody as corrected so far.
@@ -68,8 +80,8 @@ pub struct Others<'a, Q> {
 }
 
 /// Whose bodies a character must know to reach them: of those it reaches, and of those whose hands it comes to meet; in the
-/// order of the file, some more than once. Cost: linear in end effectors.
-pub fn partners(scene: &Scene, who: CharacterId) -> Vec<CharacterId> {
+/// order of the file, some more than once. Cost: linear in what is tied to it.
+pub fn partners(scene: &Scene, ties: &Ties, who: CharacterId) -> Vec<CharacterId> {
     let partner = |effector: &EndEffector| {
         let EffectorTarget::Joint { character, .. } = effector.target else {
             return None;
@@ -78,13 +90,19 @@ pub fn partners(scene: &Scene, who: CharacterId) -> Vec<CharacterId> {
         let met = character == who && reach.meets(scene);
         if reach.own == who { Some(character) } else { met.then_some(reach.own) }
     };
-    scene.end_effectors.iter().filter_map(partner).collect()
+    ties.effectors[who.as_usize()].iter().filter_map(|index| partner(&scene.end_effectors[*index])).collect()
 }
 
 /// Scene times of all moments that ask for something of a character's joints, or at which others reach them; rising.
-pub fn constrained_times(scene: &Scene, performance: &impl Performance, who: CharacterId) -> Vec<f64> {
-    let own = scene.end_effectors.iter().flat_map(|effector| moments_of(effector, who));
-    let carries = scene.carries.iter().filter(|carry| carry.by.contains(&who));
+/// Cost: linear in what is tied to it.
+pub fn constrained_times(
+    (scene, ties): (&Scene, &Ties),
+    performance: &impl Performance,
+    who: CharacterId,
+) -> Vec<f64> {
+    let effectors = ties.effectors[who.as_usize()].iter().map(|index| &scene.end_effectors[*index]);
+    let own = effectors.flat_map(|effector| moments_of(effector, who));
+    let carries = ties.carries[who.as_usize()].iter().map(|index| &scene.carries[*index]);
     let all = own.chain(carries.flat_map(|carry| [&carry.during.0, &carry.during.1]));
     let mut times: Vec<f64> = all.map(|moment| moment_time(scene, performance, moment)).collect();
     times.sort_by(f64::total_cmp);
@@ -107,7 +125,8 @@ pub fn carry_targets<P: Performance>(
     samples: &[f64],
 ) -> Vec<JointTarget> {
     let mut targets = Vec::new();
-    for motion in stage.objects {
+    for object in stage.ties.objects(stage.scene, who) {
+        let motion = &stage.objects[object.as_usize()];
         for span in &motion.spans {
             let Owner::Carried(hold) = &span.owner else {
                 continue;
@@ -142,9 +161,9 @@ pub fn effector_targets<P: Performance, Q: Performance>(
     samples: &[f64],
 ) -> Vec<JointTarget> {
     let mut targets = Vec::new();
-    let rest_objects = object_motions(stage.scene, &AtRest(stage.scene));
-    let rest = Stage { scene: stage.scene, performance: &AtRest(stage.scene), objects: &rest_objects };
-    for (index, effector) in stage.scene.end_effectors.iter().enumerate() {
+    let performance = AtRest(stage.scene);
+    let rest = at_rest(stage, &performance);
+    for (index, effector) in stage.effectors(who) {
         let source = Source::EndEffector(index);
         let reach = Reach { effector, own: effector.when.character() };
         if reach.own == who {
@@ -176,59 +195,9 @@ pub struct Miss {
     pub radians: Option<f64>,
 }
 
-/// By how much the joint of each end effector in `result` misses what it reaches: over an interval at both ends, on all ticks
-/// of the scene's clock within, and at all moments within that constrain the same character. Cost: linear in samples and
-/// joints.
-pub fn effector_residuals<P: Performance>(stage: &Stage<'_, P>, result: &impl Performance) -> Vec<Miss> {
-    let rest_objects = object_motions(stage.scene, &AtRest(stage.scene));
-    let rest = Stage { scene: stage.scene, performance: &AtRest(stage.scene), objects: &rest_objects };
-    let miss = |effector: &EndEffector| {
-        let reach = Reach { effector, own: effector.when.character() };
-        let mut miss = Miss::default();
-        for time in samples(stage, ends(stage, &effector.when), reach.own) {
-            let own = joint_at((stage.scene, result), reach.own, effector.joint, time);
-            let partner = reach.partner(stage, result, time);
-            miss.metres = miss.metres.max(own.position.distance(partner.position));
-            if let Some(rotation) = reach.rotation(stage, &rest, (partner.rotation, time)) {
-                let off = log(own.rotation.inverse() * rotation).length();
-                miss.radians = Some(miss.radians.unwrap_or(0.0).max(off));
-            }
-        }
-        miss
-    };
-    stage.scene.end_effectors.iter().map(miss).collect()
-}
-
-/// Largest distance of a hand in `result` from where it holds what it carries, for each carry, metres: at both ends, on all
-/// ticks of the scene's clock within, and at all moments within that constrain the same carrier. Cost: linear in samples and joints.
-pub fn carry_residuals<P: Performance>(stage: &Stage<'_, P>, result: &impl Performance) -> Vec<f64> {
-    let mut worst = vec![0.0_f64; stage.scene.carries.len()];
-    for (motion, span) in
-        stage.objects.iter().flat_map(|motion| motion.spans.iter().map(move |span| (motion, span)))
-    {
-        let Owner::Carried(hold) = &span.owner else {
-            continue;
-        };
-        for grip in &hold.grips {
-            for time in samples(stage, [span.from, span.to], grip.character) {
-                let pose = motion.pose_at(stage.scene, stage.performance, time);
-                let hand = joint_at((stage.scene, result), grip.character, grip.joint, time);
-                let own = &mut worst[hold.carry];
-                *own = own.max(hand.position.distance(pose.apply(grip.point)));
-            }
-        }
-    }
-    worst
-}
-
-/// Both ends of an interval, the ticks of the scene's clock between them, and what else constrains a character there.
-fn samples<P: Performance>(stage: &Stage<'_, P>, [from, to]: [f64; 2], who: CharacterId) -> Vec<f64> {
-    let fps = stage.scene.fps;
-    let first = (from * fps).ceil();
-    let ticks = (0..).map(|k| (first + f64::from(k)) / fps).take_while(|time| *time < to);
-    let moments = constrained_times(stage.scene, stage.performance, who).into_iter();
-    let between = moments.filter(|time| (from..to).contains(time));
-    [from, to].into_iter().chain(ticks).chain(between).collect()
+/// The scene before any edit, performed as captured.
+fn at_rest<'a, P>(stage: &Stage<'a, P>, rest: &'a AtRest<'a>) -> Stage<'a, AtRest<'a>> {
+    Stage { scene: stage.scene, performance: rest, objects: &stage.ties.rest_objects, ties: stage.ties }
 }
 
 /// Samples from one time to another, both included.

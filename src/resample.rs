@@ -10,8 +10,8 @@ use rayon::prelude::*;
 use crate::clip::Clip;
 use crate::clip::contacts::{ContactPoint, Contacts};
 use crate::edit::{Edit, EditedCharacter};
-use crate::index::floor_index;
-use crate::scene::Scene;
+use crate::index::{CharacterId, floor_index};
+use crate::scene::{Character, Scene};
 use crate::skeleton::Pose;
 use crate::track::Track;
 
@@ -25,8 +25,19 @@ const ON_TICK: f64 = 1e-6;
 pub struct Resampled {
     /// Scene time of output frame 0, seconds: 0, or a whole number of ticks below it.
     pub start_time: f64,
-    /// Edited motion of each character, from output frame 0 to the character's last.
+    /// Output frames of the whole scene.
+    pub frames: usize,
+    /// Whose motion this is, rising.
+    pub members: Vec<CharacterId>,
+    /// Edited motion of each of these, from output frame 0 to the character's last.
     pub clips: Vec<Clip>,
+}
+
+impl Resampled {
+    /// Motion of a character; `None` where it is not among those sampled.
+    pub fn clip(&self, who: CharacterId) -> Option<&Clip> {
+        Some(&self.clips[self.members.binary_search(&who).ok()?])
+    }
 }
 
 /// A result that would be out of all proportion.
@@ -52,24 +63,49 @@ const MOST_ROTATIONS: f64 = 1e8;
 /// # Errors
 /// [`TooLong`] where times lie so far apart that the result would not fit in memory.
 pub fn resample(scene: &Scene, edit: &Edit) -> Result<Resampled, TooLong> {
+    let everybody: Vec<CharacterId> = (0..scene.characters.len()).map(CharacterId::from_usize).collect();
+    resample_some(scene, edit, &everybody)
+}
+
+/// [`resample`] of some characters, on the clock of all. `members`: rising.
+///
+/// # Errors
+/// [`TooLong`] where these would not fit in memory.
+pub fn resample_some(scene: &Scene, edit: &Edit, members: &[CharacterId]) -> Result<Resampled, TooLong> {
     let start_tick = first_tick(scene, edit);
-    check_size(scene, edit, start_tick)?;
-    let sample = |(character, edited): (&crate::scene::Character, &EditedCharacter)| {
+    check_size(scene, edit, (start_tick, members))?;
+    let sample = |who: &CharacterId| {
+        let (character, edited) = (&scene.characters[who.as_usize()], &edit.characters[who.as_usize()]);
         let track = &character.track;
-        let last = end_tick(scene.fps, edited.end_time(track)).max(start_tick);
-        let count = floor_index(last - start_tick) + 1;
+        let count = frame_count(scene, (character, edited), start_tick);
         let poses: Vec<Pose> =
             (0..count).map(|k| edited.pose_at(track, (start_tick + k as f64) / scene.fps)).collect();
         let skeleton = Arc::clone(&track.clips[0].clip.skeleton);
         Clip::from_poses(&character.name, skeleton, scene.fps, &poses)
     };
-    let pairs: Vec<_> = scene.characters.iter().zip(&edit.characters).collect();
-    Ok(Resampled { start_time: start_tick / scene.fps, clips: pairs.into_par_iter().map(sample).collect() })
+    let everybody = scene.characters.iter().zip(&edit.characters);
+    Ok(Resampled {
+        start_time: start_tick / scene.fps,
+        frames: everybody.map(|own| frame_count(scene, own, start_tick)).max().unwrap_or(1),
+        members: members.to_vec(),
+        clips: members.par_iter().map(sample).collect(),
+    })
 }
 
-fn check_size(scene: &Scene, edit: &Edit, start_tick: f64) -> Result<(), TooLong> {
+/// Output frames of a character.
+fn frame_count(scene: &Scene, (character, edited): (&Character, &EditedCharacter), start_tick: f64) -> usize {
+    let last = end_tick(scene.fps, edited.end_time(&character.track)).max(start_tick);
+    floor_index(last - start_tick) + 1
+}
+
+fn check_size(
+    scene: &Scene,
+    edit: &Edit,
+    (start_tick, members): (f64, &[CharacterId]),
+) -> Result<(), TooLong> {
     let (mut frames, mut rotations, mut last_tick) = (0.0, 0.0, start_tick);
-    for (character, edited) in scene.characters.iter().zip(&edit.characters) {
+    for who in members {
+        let (character, edited) = (&scene.characters[who.as_usize()], &edit.characters[who.as_usize()]);
         let last = end_tick(scene.fps, edited.end_time(&character.track)).max(start_tick);
         frames += last - start_tick + 1.0;
         rotations += (last - start_tick + 1.0) * character.track.clips[0].clip.skeleton.joints.len() as f64;

@@ -1,18 +1,17 @@
 //! By how much the result misses each constraint: on the solved paths, and on the final motion at the moments themselves.
 
-use std::collections::BTreeSet;
-use std::f64::consts::PI;
+use std::collections::{BTreeMap, BTreeSet};
 
 use crate::clip::facing::facing;
-use crate::constraint::{ConstraintKind, Moment};
+use crate::constraint::Moment;
 use crate::edit::expand::{Expansion, expand};
 use crate::edit::following::{in_the_world, object_pose, wanted};
-use crate::edit::hold::{Hold, Place};
-use crate::edit::time_row::TimePoint;
+use crate::edit::hold::{HeldRow, Hold, Place};
+use crate::edit::time_row::{TimePoint, TimeRow};
 use crate::edit::{Edit, EditedCharacter, Moved};
 use crate::geometry::{c64, cis, plan_of, wrap};
 use crate::index::CharacterId;
-use crate::object_motion::{Performance, object_motions, skeleton_of};
+use crate::object_motion::{ObjectMotion, Performance, object_motions, skeleton_of};
 use crate::path;
 use crate::resample::time_of;
 use crate::scene::Scene;
@@ -40,10 +39,12 @@ pub struct MomentTime {
 }
 
 /// Where a body is and how it faces at an instant.
-#[derive(Clone, Copy)]
-struct Stance {
-    position: c64,
-    heading: f64,
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Stance {
+    /// On the ground, metres.
+    pub position: c64,
+    /// Radians.
+    pub heading: f64,
 }
 
 /// Residuals of all constraints of a scene, in its order, with bodies as the edit of the paths leaves them. Cost: linear in
@@ -54,36 +55,121 @@ pub fn residuals(scene: &Scene, edit: &Edit) -> Vec<Residual> {
 
 /// [`residuals`] with bodies as in `result`: hands that reach far pull the whole body off its path.
 pub fn residuals_of(scene: &Scene, edit: &Edit, result: &impl Performance) -> Vec<Residual> {
-    let rests: Vec<_> = edit.characters.iter().map(|character| character.rest.clone()).collect();
-    let Expansion { mut held, times, following } = expand(scene, &rests);
     let moved = Moved { scene, characters: &edit.characters };
-    let objects = object_motions(scene, &moved);
-    for row in &following {
-        let own = &mut held[row.row];
-        let kind = &scene.constraints[own.constraint.as_usize()].kind;
-        own.hold = in_the_world(row, wanted(kind, row.before), object_pose(&moved, &objects, row));
+    let demands = Demands::of((scene, edit), &object_motions(scene, &moved));
+    let mut stances = Stances::default();
+    for who in (0..scene.characters.len()).map(CharacterId::from_usize) {
+        stances.extend(demands.stances((scene, edit), result, who));
     }
-    let mut residuals = vec![Residual::default(); scene.constraints.len()];
-    for row in held {
-        let own = &mut residuals[row.constraint.as_usize()];
-        let on_path = |place: Place| path_stance(&edit.characters[place.path], place);
-        let on_motion = |place: Place| motion_stance((scene, edit), result, place);
-        match miss(row.hold, on_motion) {
-            Miss::Metres(metres) => {
-                worst(&mut own.position, metres);
-                if let Miss::Metres(metres) = miss(row.hold, on_path) {
-                    worst(&mut own.path_position, metres);
-                }
-            }
-            Miss::Radians(radians) => worst(&mut own.facing, radians),
+    demands.residuals((scene, edit), &stances)
+}
+
+/// What the constraints of a scene hold of its result, found once for all characters.
+pub struct Demands {
+    held: Vec<HeldRow>,
+    times: Vec<TimeRow>,
+    /// Places of each character that some row looks at.
+    places: Vec<Vec<Place>>,
+}
+
+/// Where bodies are on the final motion: by character, and the bits of the frame of its track.
+pub type Stances = BTreeMap<(usize, u64), Stance>;
+
+impl Demands {
+    /// Those of a scene. `objects`: as carried on the moved paths. Cost: linear in constraint samples.
+    pub fn of((scene, edit): (&Scene, &Edit), objects: &[ObjectMotion]) -> Self {
+        let rests: Vec<_> = edit.characters.iter().map(|character| character.rest.clone()).collect();
+        let Expansion { mut held, times, following } = expand(scene, &rests);
+        let moved = Moved { scene, characters: &edit.characters };
+        for row in &following {
+            let own = &mut held[row.row];
+            let kind = &scene.constraints[own.constraint.as_usize()].kind;
+            own.hold = in_the_world(row, wanted(kind, row.before), object_pose(&moved, objects, row));
         }
+        let mut places = vec![Vec::new(); scene.characters.len()];
+        for place in held.iter().flat_map(|row| places_of(row.hold)) {
+            places[place.path].push(place);
+        }
+        Self { held, times, places }
     }
-    for row in times {
-        let time = |point: TimePoint| time_of(&edit.characters[point.track].times, point.frame);
-        let seconds = time(row.at) - row.minus.map_or(0.0, time) - row.seconds;
-        worst(&mut residuals[row.constraint.as_usize()].seconds, seconds.abs());
+
+    /// Where a character is in `result` wherever something is held of it.
+    pub fn stances(
+        &self,
+        (scene, edit): (&Scene, &Edit),
+        result: &impl Performance,
+        who: CharacterId,
+    ) -> Stances {
+        let stance = |place: &Place| (key(*place), motion_stance((scene, edit), result, *place));
+        self.places[who.as_usize()].iter().map(stance).collect()
     }
-    residuals
+
+    /// Residuals of all constraints, in the order of the scene. `stances`: of all characters.
+    pub fn residuals(&self, edited: (&Scene, &Edit), stances: &Stances) -> Vec<Residual> {
+        self.residuals_of(edited, stances, |_| true)
+    }
+
+    /// [`Demands::residuals`] where a constraint is one of those whom `are_own` names: the first character that it holds.
+    /// `stances`: of these, and of those [`Demands::beside`] them. What is of times is told of all.
+    pub fn residuals_of(
+        &self,
+        (scene, edit): (&Scene, &Edit),
+        stances: &Stances,
+        are_own: impl Fn(CharacterId) -> bool,
+    ) -> Vec<Residual> {
+        let mut residuals = vec![Residual::default(); scene.constraints.len()];
+        for row in self.held.iter().filter(|row| are_own(first_of(row))) {
+            let own = &mut residuals[row.constraint.as_usize()];
+            let on_path = |place: Place| path_stance(&edit.characters[place.path], place);
+            match miss(row.hold, |place| stances[&key(place)]) {
+                Miss::Metres(metres) => {
+                    worst(&mut own.position, metres);
+                    if let Miss::Metres(metres) = miss(row.hold, on_path) {
+                        worst(&mut own.path_position, metres);
+                    }
+                }
+                Miss::Radians(radians) => worst(&mut own.facing, radians),
+            }
+        }
+        for row in &self.times {
+            let time = |point: TimePoint| time_of(&edit.characters[point.track].times, point.frame);
+            let seconds = time(row.at) - row.minus.map_or(0.0, time) - row.seconds;
+            worst(&mut residuals[row.constraint.as_usize()].seconds, seconds.abs());
+        }
+        residuals
+    }
+}
+
+impl Demands {
+    /// Characters to whom constraints hold those whom `are_own` names, none of these; rising.
+    pub fn beside(&self, are_own: impl Fn(CharacterId) -> bool) -> Vec<CharacterId> {
+        let own = self.held.iter().filter(|row| are_own(first_of(row)));
+        let all: BTreeSet<CharacterId> = own
+            .flat_map(|row| places_of(row.hold))
+            .map(|place| CharacterId::from_usize(place.path))
+            .collect();
+        all.into_iter().filter(|who| !are_own(*who)).collect()
+    }
+}
+
+/// Whom a row holds.
+fn first_of(row: &HeldRow) -> CharacterId {
+    let path = places_of(row.hold).next().map_or(0, |place| place.path);
+    CharacterId::from_usize(path)
+}
+
+const fn key(place: Place) -> (usize, u64) {
+    (place.path, place.frame.to_bits())
+}
+
+/// Where a row looks.
+fn places_of(hold: Hold) -> impl Iterator<Item = Place> {
+    let [first, second, third] = match hold {
+        Hold::Position { at, .. } | Hold::Facing { at, .. } => [Some(at), None, None],
+        Hold::Beside { at, to, from, .. } => [Some(at), Some(to), Some(from)],
+        Hold::Offset { at, to, .. } | Hold::RelativeFacing { at, to, .. } => [Some(at), Some(to), None],
+    };
+    [first, second, third].into_iter().flatten()
 }
 
 fn worst(known: &mut Option<f64>, value: f64) {
@@ -139,13 +225,13 @@ pub fn moment_times(scene: &Scene, edit: &Edit) -> Vec<MomentTime> {
     scene.moments().filter(|moment| known.insert(&moment.name)).map(time).collect()
 }
 
-/// Largest residual of a constraint in the unit of its kind: metres for places, radians where only a facing is held,
-/// seconds for times.
-pub fn largest(kind: &ConstraintKind, residual: &Residual) -> (f64, &'static str) {
+/// Largest residual of a constraint of some kind ([`ConstraintKind::keyword`]) in the unit of its kind: metres for places, degrees
+/// where only a facing is held, seconds for times.
+pub fn largest(kind: &str, residual: &Residual) -> (f64, &'static str) {
     match kind {
-        ConstraintKind::Pin { .. } | ConstraintKind::Relative { .. } => match residual.position {
+        "pin" | "relative" => match residual.position {
             Some(metres) => (metres, "m"),
-            None => (residual.facing.unwrap_or(0.0) * 180.0 / PI, "deg"),
+            None => (residual.facing.unwrap_or(0.0).to_degrees(), "deg"),
         },
         _ => (residual.seconds.unwrap_or(0.0), "s"),
     }

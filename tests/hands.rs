@@ -15,6 +15,7 @@ use cotillion::reach::{REACHED, Stage, carry_residuals, effector_residuals};
 use cotillion::resample::resample;
 use cotillion::scene::{ClipFolders, Scene, load_text};
 use cotillion::skeleton::JointRole;
+use cotillion::ties::Ties;
 use fingers::hand_points;
 use glam::DVec3;
 use proptest::prelude::*;
@@ -126,7 +127,8 @@ fn largest_miss(scene: &Scene) -> f64 {
             }
         }
     }
-    let stage = Stage { scene, performance: &moved, objects: &objects };
+    let ties = Ties::of(scene);
+    let stage = Stage { scene, performance: &moved, objects: &objects, ties: &ties };
     let told = carry_residuals(&stage, &embodied).into_iter().fold(0.0, f64::max);
     assert!(told >= worst - 1e-12 && told < worst + ON_THE_BOX, "{told} is told of {worst}");
     worst.max(slip)
@@ -211,7 +213,8 @@ fn misses(text: &str) -> (Vec<f64>, DVec3) {
     let embodied = embody(&scene, edit, &mut resampled);
     let moved = Moved { scene: &scene, characters: &edit.characters };
     let objects = object_motions(&scene, &moved);
-    let stage = Stage { scene: &scene, performance: &moved, objects: &objects };
+    let ties = Ties::of(&scene);
+    let stage = Stage { scene: &scene, performance: &moved, objects: &objects, ties: &ties };
     let ann = CharacterId(0);
     let skeleton = &scene.characters[0].track.clips[0].clip.skeleton;
     let hand = skeleton.joint_of(JointRole::RightHand).expect("generated bodies have hands");

@@ -21,6 +21,7 @@ use cotillion::resample::resample;
 use cotillion::residual::residuals;
 use cotillion::scene::{ClipFolders, Scene, load_text};
 use cotillion::skeleton::JointRole;
+use cotillion::ties::Ties;
 use cotillion::track::Track;
 
 /// Hard constraints hold to this, metres, radians, seconds.
@@ -154,7 +155,8 @@ fn holds(scene: &Scene, edit: &Edit) -> bool {
     let mut resampled = resample(scene, edit).expect("a result of usual length");
     let embodied = embody(scene, edit, &mut resampled);
     let objects = object_motions(scene, &embodied.moved);
-    let stage = Stage { scene, performance: &embodied.moved, objects: &objects };
+    let ties = Ties::of(scene);
+    let stage = Stage { scene, performance: &embodied.moved, objects: &objects, ties: &ties };
     let touches = effector_residuals(&stage, &embodied);
     assert_eq!(touches.len(), 1);
     let (ann, skeleton) = (&embodied.bodies[0].report, skeleton_of(scene, CharacterId(0)));

@@ -13,6 +13,7 @@ use cotillion::object_motion::{ObjectMotion, Owner, Performance, moment_time, ob
 use cotillion::reach::{Stage, carry_targets};
 use cotillion::residual::residuals;
 use cotillion::scene::Scene;
+use cotillion::ties::Ties;
 use proptest::prelude::*;
 use relay::{RELAY, load, solved};
 
@@ -332,7 +333,8 @@ facing = 180.0
     let Owner::Carried(hold) = &objects[0].spans[1].owner else { panic!("both carry") };
     assert_eq!(hold.grips.len(), 4);
     assert!(hold.by_hands);
-    let stage = Stage { scene: &scene, performance: &moved, objects: &objects };
+    let ties = Ties::of(&scene);
+    let stage = Stage { scene: &scene, performance: &moved, objects: &objects, ties: &ties };
     let samples: Vec<f64> = (0..200).map(|k| f64::from(k) / 30.0).collect();
     for who in [CharacterId(0), CharacterId(1)] {
         assert_eq!(carry_targets(&stage, who, &samples).len(), 2);

@@ -21,6 +21,7 @@ use cotillion::reach::constrained_times;
 use cotillion::resample::resample;
 use cotillion::scene::{ClipFolders, Scene, load};
 use cotillion::skeleton::JointFrame;
+use cotillion::ties::Ties;
 use glam::DVec3;
 
 /// What the project promises of hand-overs, metres and seconds.
@@ -132,8 +133,11 @@ fn follow_through(plot: &Plot, name: &str) -> Vec<usize> {
             assert!(away < PALM + TOUCH, "a hand {away} m from {name}");
         }
         let mut times = plot.ticks(span.from, span.to);
-        let moments =
-            hold.grips.iter().flat_map(|grip| constrained_times(&plot.scene, &moved, grip.character));
+        let ties = Ties::of(&plot.scene);
+        let moments = hold
+            .grips
+            .iter()
+            .flat_map(|grip| constrained_times((&plot.scene, &ties), &moved, grip.character));
         times.extend(moments.filter(|time| (span.from..=span.to).contains(time)));
         for time in times {
             for (hand, at_first) in on_it(time).iter().zip(&first) {

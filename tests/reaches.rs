@@ -17,6 +17,7 @@ use cotillion::reach::{
     effector_targets,
 };
 use cotillion::resample::resample;
+use cotillion::ties::Ties;
 use relay::{RELAY, load, solved};
 use serde_json::Value;
 
@@ -32,10 +33,11 @@ fn hands_hold_the_box_where_they_grasped_it() {
     let (scene, edit) = solved(RELAY);
     let moved = Moved { scene: &scene, characters: &edit.characters };
     let objects = object_motions(&scene, &moved);
-    let stage = Stage { scene: &scene, performance: &moved, objects: &objects };
+    let ties = Ties::of(&scene);
+    let stage = Stage { scene: &scene, performance: &moved, objects: &objects, ties: &ties };
     let ann = CharacterId(0);
     let mut samples: Vec<f64> = (0..600).map(|k| f64::from(k) / 30.0).collect();
-    samples.extend(constrained_times(&scene, &moved, ann));
+    samples.extend(constrained_times((&scene, &ties), &moved, ann));
     samples.sort_by(f64::total_cmp);
     let targets = carry_targets(&stage, ann, &samples);
     assert_eq!(targets.iter().map(|target| target.source).collect::<Vec<_>>(), [Source::Carry(0); 2]);
@@ -139,9 +141,10 @@ fn hands_that_meet_do_so_in_the_middle() {
     let (scene, edit) = solved(SLAP);
     let moved = Moved { scene: &scene, characters: &edit.characters };
     let objects = object_motions(&scene, &moved);
-    let stage = Stage { scene: &scene, performance: &moved, objects: &objects };
+    let ties = Ties::of(&scene);
+    let stage = Stage { scene: &scene, performance: &moved, objects: &objects, ties: &ties };
     let targets = [CharacterId(0), CharacterId(1)].map(|who| {
-        let samples = constrained_times(&scene, &moved, who);
+        let samples = constrained_times((&scene, &ties), &moved, who);
         effector_targets(&stage, &nobody_corrected(&moved), who, &samples)
     });
     assert_eq!((targets[0].len(), targets[1].len()), (2, 1));
@@ -169,7 +172,8 @@ fn a_hand_on_a_table_stays_there_and_is_turned_as_asked() {
     assert!(matches!(scene.end_effectors[1].when, When::During(..)));
     let moved = Moved { scene: &scene, characters: &edit.characters };
     let objects = object_motions(&scene, &moved);
-    let stage = Stage { scene: &scene, performance: &moved, objects: &objects };
+    let ties = Ties::of(&scene);
+    let stage = Stage { scene: &scene, performance: &moved, objects: &objects, ties: &ties };
     let samples: Vec<f64> = (0..60).map(|k| f64::from(k) / 30.0).collect();
     let targets = effector_targets(&stage, &nobody_corrected(&moved), CharacterId(0), &samples);
     let table = targets.iter().find(|target| target.source == Source::EndEffector(1)).expect("a target");

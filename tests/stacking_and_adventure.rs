@@ -20,6 +20,7 @@ use cotillion::object_motion::{
 use cotillion::reach::{REACHED, Stage, carry_residuals, effector_residuals};
 use cotillion::resample::resample;
 use cotillion::scene::{ClipFolders, Scene, load};
+use cotillion::ties::Ties;
 use glam::DVec3;
 
 /// What the project promises of boxes where their owner changes, metres and radians.
@@ -137,7 +138,8 @@ fn hands_stay_on_what_they_push_lift_and_carry() {
     let mut resampled = resample(scene, edit).expect("a result of usual length");
     let embodied = embody(scene, edit, &mut resampled);
     let objects = object_motions(scene, &embodied.moved);
-    let stage = Stage { scene, performance: &embodied.moved, objects: &objects };
+    let ties = Ties::of(scene);
+    let stage = Stage { scene, performance: &embodied.moved, objects: &objects, ties: &ties };
     for (carry, miss) in scene.carries.iter().zip(carry_residuals(&stage, &embodied)) {
         assert!(miss < REACHED, "{}: {miss}", carry.name);
     }
@@ -175,7 +177,8 @@ fn touches_are_exact_and_in_the_order_of_the_story() {
     let mut resampled = resample(scene, edit).expect("a result of usual length");
     let embodied = embody(scene, edit, &mut resampled);
     let objects = object_motions(scene, &embodied.moved);
-    let stage = Stage { scene, performance: &embodied.moved, objects: &objects };
+    let ties = Ties::of(scene);
+    let stage = Stage { scene, performance: &embodied.moved, objects: &objects, ties: &ties };
     assert_eq!(scene.end_effectors.len(), 4);
     for (touch, miss) in scene.end_effectors.iter().zip(effector_residuals(&stage, &embodied)) {
         assert!(miss.metres < REACHED, "{}: {}", touch.name, miss.metres);

@@ -8,7 +8,10 @@ mod check;
 mod convert;
 mod draw;
 mod inspect;
+mod interrupt;
+mod merge;
 mod output;
+mod produce;
 mod run;
 mod summary;
 
@@ -17,6 +20,7 @@ use std::process::ExitCode;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use cotillion::edit::Backend;
+use cotillion::export::shards::Shard;
 
 use bvh_args::BvhArgs;
 use cache::CacheArgs;
@@ -35,6 +39,8 @@ struct Cli {
 enum Command {
     /// Edit a scene and write its motion, a picture and a report.
     Run(RunArgs),
+    /// Join what shards of one run have made (`run --shard`): check that nothing is missing or doubled, and write one result.
+    Merge(MergeArgs),
     /// Read and validate scenes; solve nothing.
     Check(CheckArgs),
     /// Show the facts of clips: skeleton, rate, units, path, contacts, flights, stationary stretches, transitions; draw them.
@@ -73,6 +79,12 @@ struct RunArgs {
     /// Also draw poses of every character side by side, from the side and from above.
     #[arg(long)]
     strip: bool,
+    /// Make one of several shards of the files: the first of four is 1/4; `merge` joins them.
+    #[arg(long, value_name = "I/N", value_parser = shard)]
+    shard: Option<Shard>,
+    /// Write a BVH file of every character also where there are more than 200.
+    #[arg(long, help_heading = "BVH files")]
+    bvh_files: bool,
     /// Width of the PNG, pixels.
     #[arg(long, value_name = "PIXELS", default_value_t = 1600, value_parser = clap::value_parser!(u32).range(100..=10_000))]
     png_width: u32,
@@ -85,6 +97,27 @@ struct RunArgs {
     cache: CacheArgs,
     #[command(flatten)]
     manner: Manner,
+}
+
+#[derive(Debug, Args)]
+struct MergeArgs {
+    /// Folders of the shards, or one with all of them.
+    #[arg(required = true, value_name = "DIR")]
+    shards: Vec<PathBuf>,
+    /// Folder for the result; made if need be.
+    #[arg(long, short, value_name = "DIR")]
+    output: PathBuf,
+    #[command(flatten)]
+    manner: Manner,
+}
+
+/// `I/N`, I from 1 to N.
+fn shard(text: &str) -> Result<Shard, String> {
+    let wrong = || format!("{text} is not I/N with I from 1 to N, as in 1/4");
+    let (number, of) = text.split_once('/').ok_or_else(wrong)?;
+    let [number, of] = [number, of].map(|part| part.parse::<usize>().ok());
+    let (number, of) = number.zip(of).ok_or_else(wrong)?;
+    if (1..=of).contains(&number) { Ok(Shard { number, of }) } else { Err(wrong()) }
 }
 
 /// See [`Backend`].
@@ -184,6 +217,7 @@ enum Failure {
 pub(crate) fn main() -> ExitCode {
     let done = match Cli::parse().command {
         Command::Run(args) => run::run(&args),
+        Command::Merge(args) => merge::merge(&args),
         Command::Check(args) => check::check(&args),
         Command::Inspect(args) => inspect::inspect(&args),
         Command::Convert(args) => convert::convert(&args),

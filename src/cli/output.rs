@@ -154,6 +154,16 @@ impl Output {
         Failure::BadInput
     }
 
+    /// A bar over many of `what`, with their rate and the time that remains; none in a pipe.
+    pub(crate) fn progress_of(&self, what: &str) -> ProgressBar {
+        let bar = self.progress(0);
+        let template = format!("{{bar:30}} {{pos}}/{{len}} {what}, {{per_sec}}, {{eta}} left");
+        if let Ok(style) = ProgressStyle::with_template(&template) {
+            bar.set_style(style);
+        }
+        bar
+    }
+
     /// A bar over `steps` steps on a terminal; none in a pipe.
     pub(crate) fn progress(&self, steps: u64) -> ProgressBar {
         if self.manner.quiet || self.manner.json || !std::io::stderr().is_terminal() {

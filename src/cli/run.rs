@@ -8,25 +8,22 @@ use cotillion::discrete::drags::perform;
 use cotillion::discrete::outcome::Outcome;
 use cotillion::edit::error::Named;
 use cotillion::edit::{Backend, Edit, EditError, Editor};
-use cotillion::embody::embody;
-use cotillion::export::files::{OutputFile, write_all};
-use cotillion::export::picture::to_png;
-use cotillion::export::report::{Report, Timing, report};
-use cotillion::export::scene::scene_files;
-use cotillion::export::strips::strip_files;
+use cotillion::export::files::{OutputFile, Staging, WriteError};
+use cotillion::export::report::Timing;
 use cotillion::graph::scene::{graph_settings, scene_clips};
 use cotillion::graph_cache::cached_graph;
-use cotillion::resample::{TooLong, resample};
 use cotillion::scene::{ClipFolders, Diagnostic, Loaded, Scene, Severity, load};
 
+use super::interrupt;
 use super::output::{Output, PlainError};
+use super::produce::{Order, Produced, Unproduced, of_shard, produce};
 use super::summary::summary;
 use super::{Failure, RunArgs};
 
 pub(crate) fn run(args: &RunArgs) -> Result<(), Failure> {
     let output = Output::new(args.manner);
     let bvh = args.bvh.options().map_err(|error| output.fail(error))?;
-    let bar = output.progress(5);
+    let bar = output.progress(3);
     let mut timing = Timing::default();
     bar.set_message("reading");
     let Loaded { scene, warnings, text } =
@@ -44,61 +41,55 @@ pub(crate) fn run(args: &RunArgs) -> Result<(), Failure> {
         output.diagnostics(&unsatisfiable(&args.scene, &text, &error), &text);
         Failure::Unsatisfiable
     })?;
-    let mut files = Vec::new();
-    let mut full_body = 0.0;
-    let sampled = timed(&mut timing.export, || {
-        bar.set_message("sampling");
-        let (scene, edit) = (&solved.scene, &solved.edit);
-        let mut resampled = resample(scene, edit)?;
-        bar.inc(1);
-        bar.set_message("feet and hands");
-        let embodied = timed(&mut full_body, || embody(scene, edit, &mut resampled));
-        bar.set_message("writing");
-        let before = before.as_ref().map(|before| (&solved.original, before));
-        files = scene_files((scene, edit), before, &resampled, &bvh);
-        if args.strip {
-            files.extend(strip_files(scene, edit, &resampled));
-        }
-        Ok(report(&embodied, &solved, &resampled))
-    });
-    timing.full_body = full_body;
-    timing.export -= full_body;
-    let mut told = sampled.map_err(|error: TooLong| {
-        bar.finish_and_clear();
-        let help = Some("give times nearer to 0 and to each other".to_owned());
-        let (file, message) = (args.scene.display().to_string(), error.to_string());
-        output.errors(&[PlainError { file, line: 0, column: 0, message, help }]);
-        Failure::Unsatisfiable
-    })?;
-    if args.png {
-        let drawn = timed(&mut timing.export, || pngs(&files, args.png_width, &output))?;
-        files.extend(drawn);
-    }
-    timing.export += write(args, &mut told, files, timing).map_err(|error| {
-        bar.finish_and_clear();
-        output.unwritable(&error.path, &error.source)
-    })?;
     bar.finish_and_clear();
-    told.timing_ms = timing;
-    output.say(&summary(&told, &args.output));
-    output.print_json(&told);
+    let staging =
+        Staging::begin(&args.output).map_err(|error| output.unwritable(&error.path, &error.source))?;
+    interrupt::watch(&staging);
+    let bodies = output.progress_of("characters");
+    let order = Order { solved: &solved, before: before.as_ref(), args, bvh: &bvh };
+    let produced = produce(&order, &staging, (&mut timing, &bodies));
+    bodies.finish_and_clear();
+    let mut produced = produced.map_err(|error| unproduced(args, &output, error))?;
+    produced.report.timing_ms = timing;
+    timed(&mut timing.export, || write(&order, &produced, staging))
+        .map_err(|error| output.unwritable(&error.path, &error.source))?;
+    produced.report.timing_ms = timing;
+    output.say(&summary(&produced.report, &args.output));
+    output.print_json(&produced.report);
     Ok(())
 }
 
-/// Writes all files, `report.json` the last of them; milliseconds it took.
-fn write(
-    args: &RunArgs,
-    told: &mut Report,
-    mut files: Vec<OutputFile>,
-    timing: Timing,
-) -> Result<f64, cotillion::export::files::WriteError> {
-    told.files = files.iter().map(|file| file.name.clone()).collect();
-    told.timing_ms = timing;
-    let text = format!("{}\n", serde_json::to_string_pretty(told).unwrap_or_default());
-    files.push(OutputFile { name: "report.json".to_owned(), bytes: text.into_bytes() });
-    let mut milliseconds = 0.0;
-    timed(&mut milliseconds, || write_all(&args.output, &files))?;
-    Ok(milliseconds)
+/// Adds the report to the files of a result and gives all their names.
+fn write(order: &Order<'_>, produced: &Produced, staging: Staging) -> Result<(), WriteError> {
+    let (name, value) = match order.args.shard {
+        Some(shard) => (shard.report_name(), of_shard(shard, order.solved, &produced.report, &produced.own)),
+        None => ("report.json".to_owned(), serde_json::to_value(&produced.report).unwrap_or_default()),
+    };
+    let text = format!("{}\n", serde_json::to_string_pretty(&value).unwrap_or_default());
+    staging.add(&OutputFile { name, bytes: text.into_bytes() })?;
+    staging.commit()
+}
+
+/// Tells why there are no files.
+fn unproduced(args: &RunArgs, output: &Output, error: Unproduced) -> Failure {
+    let plain = |file: String, message: String, help: &str| {
+        output.errors(&[PlainError { file, line: 0, column: 0, message, help: Some(help.to_owned()) }]);
+    };
+    match error {
+        Unproduced::TooLong(error) => {
+            plain(
+                args.scene.display().to_string(),
+                error.to_string(),
+                "give times nearer to 0 and to each other",
+            );
+            Failure::Unsatisfiable
+        }
+        Unproduced::Write(error) => output.unwritable(&error.path, &error.source),
+        Unproduced::Png(file, message) => {
+            plain(file, message, "run without --png: the SVG holds the same picture");
+            Failure::BadInput
+        }
+    }
 }
 
 /// The scene after its drags and discrete changes, and the edit before its drags, if it has any.
@@ -146,27 +137,11 @@ fn solve(
 }
 
 /// Calls `work` and adds the milliseconds it took.
-fn timed<T>(milliseconds: &mut f64, work: impl FnOnce() -> T) -> T {
+pub(crate) fn timed<T>(milliseconds: &mut f64, work: impl FnOnce() -> T) -> T {
     let start = Instant::now();
     let result = work();
     *milliseconds += start.elapsed().as_secs_f64() * 1e3;
     result
-}
-
-/// Every SVG among `files` as PNG.
-fn pngs(files: &[OutputFile], width: u32, output: &Output) -> Result<Vec<OutputFile>, Failure> {
-    let svgs = files.iter().filter_map(|file| Some((file.name.strip_suffix(".svg")?, &file.bytes)));
-    let drawn = svgs.map(|(stem, svg)| {
-        let name = format!("{stem}.png");
-        to_png(&String::from_utf8_lossy(svg), width)
-            .map_err(|error| (name.clone(), error))
-            .map(|bytes| OutputFile { name, bytes })
-    });
-    drawn.collect::<Result<_, _>>().map_err(|(file, error)| {
-        let help = Some("run without --png: the SVG holds the same picture".to_owned());
-        output.errors(&[PlainError { file, line: 0, column: 0, message: error.to_string(), help }]);
-        Failure::BadInput
-    })
 }
 
 /// What to tell of a scene without an answer: at the last constraint it concerns what is wrong and the remedy, then the

@@ -1,10 +1,12 @@
 //! Result files: all of them or none, never half of one.
 
+use std::collections::HashSet;
 use std::fs;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
-use tempfile::NamedTempFile;
+use tempfile::{NamedTempFile, TempDir};
 
 /// One file of a result.
 #[derive(Clone, Debug, PartialEq)]
@@ -26,42 +28,155 @@ pub struct WriteError {
     pub source: io::Error,
 }
 
-/// Writes `files` into `folder`, which is made if need be.
-///
-/// All are written beside their final names first and flushed to disk; only then are they renamed, so that neither a
-/// crash nor a full disk leaves half a file under a final name or damages an earlier result.
+/// Writes `files` into `folder`, which is made if need be: see [`Staging`].
 ///
 /// # Errors
 /// [`WriteError`]; then nothing has been renamed unless the renaming itself failed, and a folder made here is gone again.
 pub fn write_all(folder: &Path, files: &[OutputFile]) -> Result<(), WriteError> {
-    if folder.is_file() {
-        return Err(failed(folder)(io::Error::new(
-            io::ErrorKind::NotADirectory,
-            "it is a file, not a folder",
-        )));
-    }
-    let fresh = first_missing(folder);
-    let written = fs::create_dir_all(folder).map_err(failed(folder)).and_then(|()| write_into(folder, files));
-    if let (Err(_), Some(fresh)) = (&written, &fresh) {
-        // The folders are ours and empty; one that is not stays, which is right.
-        remove_empty(folder, fresh);
-    }
-    written
+    let staging = Staging::begin(folder)?;
+    files.iter().try_for_each(|file| staging.add(file))?;
+    staging.commit()
 }
 
-fn write_into(folder: &Path, files: &[OutputFile]) -> Result<(), WriteError> {
-    let mut prepared = Vec::with_capacity(files.len());
-    for file in files {
-        let path = folder.join(&file.name);
+/// A result in the making.
+///
+/// All its files are written into a folder of their own beside their final names first and flushed to disk; only then are they
+/// renamed, so that neither a crash nor a full disk leaves half a file under a final name or damages an earlier result. A
+/// result that is dropped or abandoned before leaves nothing.
+pub struct Staging {
+    folder: PathBuf,
+    pending: Pending,
+}
+
+/// A handle by which a result in the making can be given up from elsewhere.
+#[derive(Clone)]
+pub struct Pending(Arc<Mutex<Option<Prepared>>>);
+
+/// What has been written so far.
+struct Prepared {
+    /// Where files are until they get their names.
+    aside: TempDir,
+    /// The outermost folder that was made for the result.
+    fresh: Option<PathBuf>,
+    names: Vec<String>,
+}
+
+impl Staging {
+    /// Begins a result in `folder`, which is made if need be.
+    ///
+    /// # Errors
+    /// [`WriteError`] where the folder cannot be made.
+    pub fn begin(folder: &Path) -> Result<Self, WriteError> {
+        if folder.is_file() {
+            return Err(failed(folder)(io::Error::new(
+                io::ErrorKind::NotADirectory,
+                "it is a file, not a folder",
+            )));
+        }
+        let fresh = first_missing(folder);
+        let made = fs::create_dir_all(folder)
+            .and_then(|()| tempfile::Builder::new().prefix(".cotillion-").tempdir_in(folder));
+        match made {
+            Ok(aside) => {
+                let prepared = Prepared { aside, fresh, names: Vec::new() };
+                Ok(Self { folder: folder.to_owned(), pending: Pending(Arc::new(Mutex::new(Some(prepared)))) })
+            }
+            Err(error) => {
+                fresh.inspect(|fresh| remove_empty(folder, fresh));
+                Err(failed(folder)(error))
+            }
+        }
+    }
+
+    /// By what the result can be given up from elsewhere.
+    pub fn pending(&self) -> (PathBuf, Pending) {
+        (self.folder.clone(), self.pending.clone())
+    }
+
+    /// Writes one file of the result, not yet under its name.
+    ///
+    /// # Errors
+    /// [`WriteError`] where it cannot be written, or a folder has its name.
+    pub fn add(&self, file: &OutputFile) -> Result<(), WriteError> {
+        let aside = self.aside(&file.name)?;
+        let written = fs::File::create_new(&aside).and_then(|mut made| {
+            made.write_all(&file.bytes)?;
+            made.sync_all()
+        });
+        written.map_err(failed(&self.folder.join(&file.name)))?;
+        self.keep(&file.name);
+        Ok(())
+    }
+
+    /// Adds a file that lies elsewhere already: linked where both places are on one disk, else copied.
+    ///
+    /// # Errors
+    /// [`WriteError`] where it cannot be read, or not be written.
+    pub fn copy(&self, from: &Path, name: &str) -> Result<(), WriteError> {
+        let aside = self.aside(name)?;
+        if fs::hard_link(from, &aside).is_err() {
+            fs::copy(from, &aside).map_err(failed(from))?;
+        }
+        self.keep(name);
+        Ok(())
+    }
+
+    /// Where a file of this name is put until it gets its name.
+    fn aside(&self, name: &str) -> Result<PathBuf, WriteError> {
+        let path = self.folder.join(name);
         if path.is_dir() {
             return Err(failed(&path)(io::Error::new(io::ErrorKind::IsADirectory, "a folder has this name")));
         }
-        prepared.push((prepare(folder, &file.bytes).map_err(failed(&path))?, path));
+        let aside = self.pending.lock().as_ref().map(|prepared| prepared.aside.path().join(name));
+        let given_up = || io::Error::new(io::ErrorKind::Interrupted, "the result is given up");
+        aside.ok_or_else(|| failed(&path)(given_up()))
     }
-    for (temporary, path) in prepared {
-        temporary.persist(&path).map_err(|error| failed(&path)(error.error))?;
+
+    fn keep(&self, name: &str) {
+        if let Some(prepared) = self.pending.lock().as_mut() {
+            prepared.names.push(name.to_owned());
+        }
     }
-    sync_folder(folder).map_err(failed(folder))
+
+    /// Gives all files their names.
+    ///
+    /// # Errors
+    /// [`WriteError`] where one cannot be renamed: those before it are.
+    pub fn commit(self) -> Result<(), WriteError> {
+        let mut pending = self.pending.lock();
+        let Some(prepared) = pending.as_mut() else {
+            let error = io::Error::new(io::ErrorKind::Interrupted, "the result is given up");
+            return Err(failed(&self.folder)(error));
+        };
+        for name in &prepared.names {
+            let path = self.folder.join(name);
+            fs::rename(prepared.aside.path().join(name), &path).map_err(failed(&path))?;
+        }
+        prepared.fresh = None;
+        *pending = None;
+        sync_folder(&self.folder).map_err(failed(&self.folder))
+    }
+}
+
+impl Drop for Staging {
+    fn drop(&mut self) {
+        self.pending.abandon(&self.folder);
+    }
+}
+
+impl Pending {
+    fn lock(&self) -> MutexGuard<'_, Option<Prepared>> {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Removes all that was written for the result in `folder` and the folders that were made for it, unless it is complete.
+    pub fn abandon(&self, folder: &Path) {
+        if let Some(Prepared { aside, fresh, .. }) = self.lock().take() {
+            drop(aside);
+            // The folders are ours and empty; one that is not stays, which is right.
+            fresh.inspect(|fresh| remove_empty(folder, fresh));
+        }
+    }
 }
 
 /// Writes one file beside its final name and renames it.
@@ -132,22 +247,20 @@ fn remove_empty(folder: &Path, outermost: &Path) {
 
 /// A file name for each of `names`, unique also where case does not count, without characters that file systems refuse.
 pub fn file_names(names: &[&str]) -> Vec<String> {
-    let mut taken: Vec<String> = Vec::with_capacity(names.len());
+    let (mut taken, mut found) = (HashSet::with_capacity(names.len()), Vec::with_capacity(names.len()));
     for name in names {
         let allowed = |c: char| if c.is_alphanumeric() || "-_ ".contains(c) { c } else { '_' };
         let plain: String = name.trim().chars().map(allowed).take(80).collect();
         let plain = if plain.is_empty() { "character".to_owned() } else { plain };
-        let clash =
-            |candidate: &str| taken.iter().any(|known| known.to_lowercase() == candidate.to_lowercase());
         let mut candidate = plain.clone();
         let mut number = 2;
-        while clash(&candidate) {
+        while !taken.insert(candidate.to_lowercase()) {
             candidate = format!("{plain}-{number}");
             number += 1;
         }
-        taken.push(candidate);
+        found.push(candidate);
     }
-    taken
+    found
 }
 
 #[cfg(test)]

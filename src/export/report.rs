@@ -1,8 +1,11 @@
 //! `report.json`: what an edit did, in numbers.
 
+mod parts;
+
+use std::borrow::Cow;
+
 use serde::Serialize;
 
-use crate::clip::Clip;
 use crate::constraint::Strength;
 use crate::discrete::outcome::Outcome;
 use crate::edit::Moved;
@@ -13,13 +16,16 @@ use crate::export::changes::{ChangesReport, DiscreteReport};
 use crate::geometry::{c64, wrap};
 use crate::index::{CharacterId, floor_index};
 use crate::metrics::shown_slides;
-use crate::object_motion::{ObjectMotion, Owner, object_motions};
-use crate::reach::{Miss, REACHED, Stage, carry_residuals, effector_residuals};
-use crate::resample::{Resampled, time_of};
-use crate::residual::{MomentTime, Residual, largest, moment_times, residuals_of};
+use crate::object_motion::{ObjectMotion, Owner};
+use crate::reach::{Miss, REACHED};
+use crate::resample::time_of;
+use crate::residual::{Residual, largest};
 use crate::scene::{Performed, Scene};
+use crate::ties::Ties;
 
 use crate::clip::working::WORKING_STEP;
+
+pub use parts::{PartReport, Setting, is_told, part_report, report, whole_report};
 
 /// Places of an object that moves are told so far apart, seconds.
 const PLACES_APART: f64 = 0.1;
@@ -147,14 +153,14 @@ pub struct ConstraintReport {
     /// Its name.
     pub name: String,
     /// `pin`, `relative`, `time`, `duration`, `sync`, `carry`, `end_effector`.
-    pub kind: &'static str,
+    pub kind: Cow<'static, str>,
     /// `"hard"`, or the weight; carries and end effectors have none.
     #[serde(skip_serializing_if = "serde_json::Value::is_null")]
     pub strength: serde_json::Value,
     /// On the final motion, at the moments themselves.
     pub residual: f64,
     /// Unit of `residual`.
-    pub unit: &'static str,
+    pub unit: Cow<'static, str>,
     /// On the solved path, metres.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub path_residual: Option<f64>,
@@ -192,50 +198,14 @@ pub struct Timing {
     pub export: f64,
 }
 
-/// Reports on an edit; files and times are filled in where files are written and clocks are read.
-pub fn report(embodied: &Embodied<'_>, outcome: &Outcome, resampled: &Resampled) -> Report {
-    let (scene, edit) = (embodied.moved.scene, &outcome.edit);
-    let constraints = scene.constraints.iter().zip(residuals_of(scene, edit, embodied));
-    let moved = Moved { scene, characters: &edit.characters };
-    let objects = object_motions(scene, &moved);
-    let stage = Stage { scene, performance: &moved, objects: &objects };
-    let carries = scene.carries.iter().map(|carry| &carry.name).zip(carry_residuals(&stage, embodied));
-    let effectors = scene.end_effectors.iter().map(|reach| &reach.name);
-    let effectors = effectors.zip(effector_residuals(&stage, embodied));
-    Report {
-        scene: scene.title.clone(),
-        cotillion: env!("CARGO_PKG_VERSION"),
-        fps: scene.fps,
-        start_time: resampled.start_time,
-        characters: (0..scene.characters.len())
-            .map(|who| character_report(embodied, outcome, resampled, CharacterId::from_usize(who)))
-            .collect(),
-        objects: objects.iter().map(|motion| object_report(&moved, motion, resampled)).collect(),
-        constraints: constraints
-            .map(|(constraint, residual)| constraint_report(constraint, &residual))
-            .chain(carries.map(|(name, metres)| hands_report(name, "carry", Miss { metres, radians: None })))
-            .chain(effectors.map(|(name, miss)| hands_report(name, "end_effector", miss)))
-            .collect(),
-        moments: moment_times(scene, edit)
-            .into_iter()
-            .map(|MomentTime { name, time }| MomentReport { name, time })
-            .collect(),
-        energy: edit.energy,
-        notes: edit.notes.iter().map(ToString::to_string).collect(),
-        files: Vec::new(),
-        timing_ms: Timing::default(),
-    }
-}
-
 fn character_report(
-    embodied: &Embodied<'_>,
+    (embodied, ties): (&Embodied<'_>, &Ties),
     outcome: &Outcome,
-    resampled: &Resampled,
+    (start_time, frames_out): (f64, usize),
     who: CharacterId,
 ) -> CharacterReport {
     let Moved { scene, characters } = embodied.moved;
     let (character, edited) = (&scene.characters[who.as_usize()], &characters[who.as_usize()]);
-    let frames_out = resampled.clips[who.as_usize()].frame_count();
     let track = &character.track;
     let last = track.frame_count() as f64 - 1.0 + track.overhang();
     let steps = edited.times.windows(2).map(|pair| (pair[1] - pair[0]) / WORKING_STEP);
@@ -245,7 +215,7 @@ fn character_report(
     let rest = &outcome.original.characters[who.as_usize()].track;
     let rest_last = rest.frame_count() as f64 - 1.0 + rest.overhang();
     let frames_in = floor_index(rest_last * WORKING_STEP * scene.fps + 1e-6) + 1;
-    let [rest_slide, edited_slide] = shown_slides(scene, embodied, who, (resampled.start_time, frames_out));
+    let [rest_slide, edited_slide] = shown_slides((scene, ties), embodied, who, (start_time, frames_out));
     CharacterReport {
         name: character.name.clone(),
         frames_in,
@@ -269,17 +239,18 @@ fn character_report(
     }
 }
 
-fn constraint_report(constraint: &crate::constraint::Constraint, residual: &Residual) -> ConstraintReport {
-    let (value, unit) = largest(&constraint.kind, residual);
+/// By how much a constraint is missed.
+fn constraint_report(
+    (name, kind, strength): (&str, Cow<'static, str>, serde_json::Value),
+    residual: &Residual,
+) -> ConstraintReport {
+    let (value, unit) = largest(&kind, residual);
     ConstraintReport {
-        name: constraint.name.clone(),
-        kind: constraint.kind.keyword(),
-        strength: match constraint.strength {
-            Strength::Hard => "hard".into(),
-            Strength::Soft(weight) => weight.into(),
-        },
+        name: name.to_owned(),
+        kind,
+        strength,
         residual: value,
-        unit,
+        unit: unit.into(),
         path_residual: residual.path_position,
         facing_residual: residual.facing.map(f64::to_degrees),
         orientation_residual: None,
@@ -287,14 +258,21 @@ fn constraint_report(constraint: &crate::constraint::Constraint, residual: &Resi
     }
 }
 
+fn strength(constraint: &crate::constraint::Constraint) -> serde_json::Value {
+    match constraint.strength {
+        Strength::Hard => "hard".into(),
+        Strength::Soft(weight) => weight.into(),
+    }
+}
+
 /// What hands must reach, and by how much they miss it.
-fn hands_report(name: &str, kind: &'static str, miss: Miss) -> ConstraintReport {
+fn hands_report(name: &str, kind: Cow<'static, str>, miss: &Miss) -> ConstraintReport {
     ConstraintReport {
         name: name.to_owned(),
         kind,
         strength: serde_json::Value::Null,
         residual: miss.metres,
-        unit: "m",
+        unit: "m".into(),
         path_residual: None,
         facing_residual: None,
         orientation_residual: miss.radians.map(f64::to_degrees),
@@ -302,10 +280,10 @@ fn hands_report(name: &str, kind: &'static str, miss: Miss) -> ConstraintReport 
     }
 }
 
-fn object_report(moved: &Moved<'_>, motion: &ObjectMotion, resampled: &Resampled) -> ObjectReport {
+/// `start`, `frames`: scene time of output frame 0, and output frames of the scene.
+fn object_report(moved: &Moved<'_>, motion: &ObjectMotion, (start, frames): (f64, usize)) -> ObjectReport {
     let scene = moved.scene;
-    let frames = resampled.clips.iter().map(Clip::frame_count).max().unwrap_or(1);
-    let (start, end) = (resampled.start_time, resampled.start_time + (frames - 1) as f64 / scene.fps);
+    let end = start + (frames - 1) as f64 / scene.fps;
     let place = |time: f64| {
         let pose = motion.pose_at(scene, moved, time);
         let position = pose.plan();
@@ -316,7 +294,7 @@ fn object_report(moved: &Moved<'_>, motion: &ObjectMotion, resampled: &Resampled
             facing: wrap(pose.facing).to_degrees(),
         }
     };
-    let steps = if scene.moves(motion.object) { ((end - start) / PLACES_APART - 1e-9).ceil() } else { 0.0 };
+    let steps = if motion.moves(scene) { ((end - start) / PLACES_APART - 1e-9).ceil() } else { 0.0 };
     let path: Vec<ObjectPlace> =
         (0..=floor_index(steps)).map(|k| place((start + k as f64 * PLACES_APART).min(end))).collect();
     let plan: Vec<c64> = path.iter().map(|place| c64::new(place.position[0], place.position[1])).collect();

@@ -1,4 +1,6 @@
-//! The files of a whole scene: BVH per character, one GLB, pictures. `report.json` comes last, as it names them.
+//! The files of a whole scene: BVH per character, GLB, pictures. `report.json` comes last, as it names them.
+
+use rayon::prelude::*;
 
 use crate::clip::Clip;
 use crate::clip::working::WORKING_STEP;
@@ -7,11 +9,12 @@ use crate::edit::{Edit, EditedCharacter, Moved};
 use crate::export::bvh::{BvhOptions, to_bvh_with};
 use crate::export::files::{OutputFile, file_names};
 use crate::export::gltf::{GlbObject, GlbScene, Performer, to_glb};
+use crate::export::parts::Part;
 use crate::export::picture::{
     Actor, Handle, Picture, PictureObject, Tie, extent_of, to_svg, to_svg_covering,
 };
 use crate::geometry::c64;
-use crate::index::floor_index;
+use crate::index::{CharacterId, ObjectId, floor_index};
 use crate::object::ObjectPose;
 use crate::object_motion::{ObjectMotion, Owner, Performance, object_motions};
 use crate::path;
@@ -32,22 +35,55 @@ pub fn scene_files(
     resampled: &Resampled,
     bvh: &BvhOptions,
 ) -> Vec<OutputFile> {
-    let names: Vec<&str> = scene.characters.iter().map(|character| character.name.as_str()).collect();
-    let mut files: Vec<OutputFile> = file_names(&names)
-        .into_iter()
-        .zip(&resampled.clips)
-        .map(|(name, clip)| OutputFile {
-            name: format!("{name}.bvh"),
-            bytes: to_bvh_with(clip, bvh).into_bytes(),
-        })
-        .collect();
-    files.push(OutputFile { name: "scene.glb".to_owned(), bytes: glb(scene, edit, resampled) });
+    let moved = Moved { scene, characters: &edit.characters };
+    let objects = object_motions(scene, &moved);
+    let everything = Part::everything(scene);
+    let mut files = part_files((&moved, &objects), (&everything, resampled), &names(scene), Some(bvh));
     files.extend(pictures((scene, edit), before));
     files
 }
 
+/// Names of the files of all characters, without endings.
+pub fn names(scene: &Scene) -> Vec<String> {
+    let names: Vec<&str> = scene.characters.iter().map(|character| character.name.as_str()).collect();
+    file_names(&names)
+}
+
+/// BVH files of those who are in a part, where asked for, and its GLB. `names`: of the files of all characters.
+pub fn part_files<'a>(
+    (moved, objects): (&'a Moved<'_>, &[ObjectMotion]),
+    (part, resampled): (&Part, &'a Resampled),
+    names: &[String],
+    bvh: Option<&BvhOptions>,
+) -> Vec<OutputFile> {
+    let clips: Vec<(&CharacterId, &Clip)> = resampled.members.iter().zip(&resampled.clips).collect();
+    let written = bvh.map_or(Vec::new(), |options| {
+        let file = |(who, clip): &(&CharacterId, &Clip)| OutputFile {
+            name: format!("{}.bvh", names[who.as_usize()]),
+            bytes: to_bvh_with(clip, options).into_bytes(),
+        };
+        clips.par_iter().map(file).collect()
+    });
+    let clock = (0..resampled.frames).map(|k| resampled.start_time + k as f64 / moved.scene.fps);
+    let object = |id: &ObjectId| {
+        let object = &moved.scene.objects[id.as_usize()];
+        let poses = object_poses(moved, &objects[id.as_usize()], clock.clone());
+        GlbObject { name: &object.name, size: object.size, poses, fps: moved.scene.fps }
+    };
+    let performer = |(who, clip): (&CharacterId, &'a Clip)| {
+        let name = &moved.scene.characters[who.as_usize()].name;
+        Performer { name, number: who.as_usize(), clip }
+    };
+    let glb = to_glb(&GlbScene {
+        title: &moved.scene.title,
+        performers: clips.iter().copied().map(performer).collect(),
+        objects: part.objects.par_iter().map(object).collect(),
+    });
+    written.into_iter().chain([OutputFile { name: part.glb.clone(), bytes: glb }]).collect()
+}
+
 /// `scene.svg`, and `before.svg` if it was dragged.
-fn pictures(after: Edited<'_>, before: Option<Edited<'_>>) -> Vec<OutputFile> {
+pub fn pictures(after: Edited<'_>, before: Option<Edited<'_>>) -> Vec<OutputFile> {
     let file = |name: &str, svg: String| OutputFile { name: name.to_owned(), bytes: svg.into_bytes() };
     let after_headings = headings(after.1);
     let shown = picture(after, before.map(|before| before.0), &after_headings);
@@ -59,24 +95,6 @@ fn pictures(after: Edited<'_>, before: Option<Edited<'_>>) -> Vec<OutputFile> {
         file("scene.svg", to_svg_covering(&shown, &extent)),
         file("before.svg", to_svg_covering(&undragged, &extent)),
     ]
-}
-
-fn glb(scene: &Scene, edit: &Edit, resampled: &Resampled) -> Vec<u8> {
-    let performers = scene.characters.iter().zip(&resampled.clips);
-    let frames = resampled.clips.iter().map(Clip::frame_count).max().unwrap_or(1);
-    let moved = Moved { scene, characters: &edit.characters };
-    let motions = object_motions(scene, &moved);
-    let objects = scene.objects.iter().zip(&motions).map(|(object, motion)| GlbObject {
-        name: &object.name,
-        size: object.size,
-        poses: object_poses(&moved, motion, (0..frames).map(|k| resampled.start_time + k as f64 / scene.fps)),
-        fps: scene.fps,
-    });
-    to_glb(&GlbScene {
-        title: &scene.title,
-        performers: performers.map(|(character, clip)| Performer { name: &character.name, clip }).collect(),
-        objects: objects.collect(),
-    })
 }
 
 /// Picture of an edited scene: paths from above, and time tracks; from where pins were dragged, if it was so in `before`.
@@ -118,7 +136,7 @@ pub(super) fn object_poses(
     times: impl Iterator<Item = f64>,
 ) -> Vec<ObjectPose> {
     let pose = |time: f64| motion.pose_at(moved.scene, moved, time);
-    if moved.scene.moves(motion.object) { times.map(pose).collect() } else { vec![pose(0.0)] }
+    if motion.moves(moved.scene) { times.map(pose).collect() } else { vec![pose(0.0)] }
 }
 
 fn picture_object<'a>(moved: &Moved<'a>, motion: &ObjectMotion) -> PictureObject<'a> {

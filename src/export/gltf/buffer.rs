@@ -1,5 +1,9 @@
 //! The binary part of a GLB: numbers appended, each run described by an accessor; and the container around both parts.
 
+use std::collections::BTreeMap;
+use std::hash::{DefaultHasher, Hash, Hasher};
+use std::ops::Range;
+
 use gltf_json::accessor::{ComponentType, GenericComponentType, Type};
 use gltf_json::buffer::{Target, View};
 use gltf_json::validation::{Checked, USize64};
@@ -16,11 +20,18 @@ pub(super) enum Use {
     Data,
 }
 
+/// Where numbers are, and what tells of them.
+type Stored = (Range<usize>, Index<Accessor>);
+/// Hash of numbers, how many a row has, and whether they have bounds.
+type Shape = (u64, usize, bool);
+
 /// A glTF document in the making, with its binary part.
 #[derive(Debug, Default)]
 pub(super) struct Document {
     pub(super) root: Root,
     bytes: Vec<u8>,
+    /// Accessors of keyframes by a hash of these, and where they are: the same keyframes are stored once.
+    known: BTreeMap<Shape, Vec<Stored>>,
 }
 
 impl Document {
@@ -32,6 +43,13 @@ impl Document {
         bounded: bool,
     ) -> Index<Accessor> {
         let bytes: Vec<u8> = rows.iter().flatten().flat_map(|number| number.to_le_bytes()).collect();
+        let shared = (purpose == Use::Data).then(|| (hash_of(&bytes), N, bounded));
+        let places = shared.and_then(|shape| self.known.get(&shape));
+        let known = places.and_then(|places| places.iter().find(|(at, _)| self.bytes[at.clone()] == *bytes));
+        if let Some((_, known)) = known {
+            return *known;
+        }
+        let at = self.bytes.len()..self.bytes.len() + bytes.len();
         let kind = match N {
             1 => Type::Scalar,
             3 => Type::Vec3,
@@ -43,7 +61,11 @@ impl Document {
             accessor.min = Some(bounds(rows, f32::min));
             accessor.max = Some(bounds(rows, f32::max));
         }
-        self.root.push(accessor)
+        let index = self.root.push(accessor);
+        if let Some(shape) = shared {
+            self.known.entry(shape).or_default().push((at, index));
+        }
+        index
     }
 
     /// Appends vertex numbers.
@@ -130,6 +152,12 @@ fn bounds<const N: usize>(rows: &[[f32; N]], pick: fn(f32, f32) -> f32) -> Value
         bound = std::array::from_fn(|k| pick(bound[k], row[k]));
     }
     Value::from(bound.map(f64::from).to_vec())
+}
+
+fn hash_of(bytes: &[u8]) -> u64 {
+    let mut hasher = DefaultHasher::new();
+    bytes.hash(&mut hasher);
+    hasher.finish()
 }
 
 fn size(bytes: usize) -> [u8; 4] {

@@ -37,6 +37,8 @@ pub struct GlbScene<'a> {
 pub struct Performer<'a> {
     /// For people.
     pub name: &'a str,
+    /// Which of the scene's characters it is: its colour.
+    pub number: usize,
     /// At least one frame.
     pub clip: &'a Clip,
 }
@@ -70,8 +72,8 @@ pub fn to_glb(scene: &GlbScene) -> Vec<u8> {
     };
     let mut nodes = vec![stage::ground(&mut document, scene)];
     let mut cast = Cast::default();
-    for (index, performer) in scene.performers.iter().enumerate() {
-        nodes.extend(cast.enter(&mut document, &mut animation, performer, index));
+    for performer in &scene.performers {
+        nodes.extend(cast.enter(&mut document, &mut animation, performer));
     }
     for object in &scene.objects {
         let node = stage::object(&mut document, object);
@@ -120,7 +122,6 @@ impl Cast {
         document: &mut Document,
         animation: &mut Animation,
         performer: &Performer,
-        index: usize,
     ) -> Vec<Index<Node>> {
         let clip = performer.clip;
         let joints = joint_nodes(document, clip);
@@ -142,7 +143,7 @@ impl Cast {
             name: Some(performer.name.to_owned()),
             skeleton: Some(holder),
         });
-        let mesh = body_of(document, body, performer.name, palette::colour(index));
+        let mesh = body_of(document, body, performer.name, palette::colour(performer.number));
         let body = document.root.push(Node {
             name: Some(format!("{} body", performer.name)),
             mesh: Some(mesh),

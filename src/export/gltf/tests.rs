@@ -82,7 +82,11 @@ fn numbers(json: &serde_json::Value, binary: &[u8], accessor: &serde_json::Value
 fn trio<'a>(clips: &'a [Clip]) -> GlbScene<'a> {
     GlbScene {
         title: "three & a <box>",
-        performers: clips.iter().map(|clip| Performer { name: &clip.name, clip }).collect(),
+        performers: clips
+            .iter()
+            .enumerate()
+            .map(|(number, clip)| Performer { name: &clip.name, number, clip })
+            .collect(),
         objects: vec![GlbObject {
             name: "box",
             size: [0.4, 0.3, 0.2],
