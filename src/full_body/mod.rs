@@ -169,8 +169,8 @@ fn bind_feet(skeleton: &Skeleton, input: &BodyInput, legs: &mut [Leg]) {
         let above = above.into_iter().flat_map(|end| end.first..end.first + end.targets.len());
         leg.let_go(&input.times, above);
         let target = |end: &Effector, at: usize| {
-            let pose = &input.moved[at];
-            end.at(at).map(|target| (at, effector::end_pose(skeleton, &chain, pose, (end.joint, target))))
+            let place = |target| effector::end_pose(skeleton, &chain, &input.moved[at], (end.joint, target));
+            end.at(at).map(|target| (at, place(target)))
         };
         let targets: Vec<(usize, EndPose)> =
             ends.into_iter().flat_map(|end| (end.first..).map_while(move |at| target(end, at))).collect();
