@@ -59,6 +59,8 @@ pub struct Leg {
     pub corrections: Option<Vec<Displacement>>,
     /// Samples at which the foot must be where it is displaced to.
     pub bound: Vec<bool>,
+    /// Those of them at which it does not stand but is brought to a target elsewhere.
+    pub aimed: Vec<bool>,
     /// When its heel and its toe are planted: as captured, or held still.
     pub planted: [Vec<bool>; 2],
     /// How far it may stretch at each sample, metres.
@@ -118,6 +120,7 @@ impl Leg {
             self.planted.iter_mut().for_each(|labels| labels[other] = false);
         }
         for (at, displacement) in &bound {
+            self.aimed[*at] |= !self.bound[*at] || free[*at];
             (self.displacements[*at], self.bound[*at]) = (*displacement, true);
         }
         if let Some(corrections) = self.corrections.as_mut().filter(|_| !bound.is_empty()) {
@@ -159,13 +162,30 @@ impl Leg {
         displaced(&self.track.moved[at].end_pose(), &self.displacements[at])
     }
 
-    /// The sample nearest to `at` at which the foot is bound, at most half a fade away: what the body does at one sample it
+    /// Hangs the leg on a body that is turned: its foot stays where it is to be. Cost: linear.
+    pub fn hang(&mut self, skeleton: &Skeleton, turned: &[Pose]) {
+        for (at, pose) in turned.iter().enumerate() {
+            let place = self.chain.place(skeleton, pose);
+            if place != self.track.moved[at] {
+                let target = self.target(at);
+                self.displacements[at] = from_to(&place.end_pose(), &target);
+                self.track.moved[at] = place;
+            }
+        }
+    }
+
+    /// Whether the foot stands at sample `at`.
+    pub fn stands(&self, at: usize) -> bool {
+        self.bound[at] && !self.aimed[at]
+    }
+
+    /// The sample nearest to `at` at which the foot stands, at most half a fade away: what the body does at one sample it
     /// nearly does at those beside it, too.
-    pub fn bound_near(&self, times: &[f64], at: usize) -> Option<usize> {
+    pub fn standing_near(&self, times: &[f64], at: usize) -> Option<usize> {
         let away = |other: &usize| (times[*other] - times[at]).abs();
         let is_near = |other: &usize| away(other) < 0.5 * FADE;
-        let before = (0..=at).rev().take_while(is_near).find(|&other| self.bound[other]);
-        let after = (at..times.len()).take_while(is_near).find(|&other| self.bound[other]);
+        let before = (0..=at).rev().take_while(is_near).find(|&other| self.stands(other));
+        let after = (at..times.len()).take_while(is_near).find(|&other| self.stands(other));
         before.into_iter().chain(after).min_by(|a, b| away(a).total_cmp(&away(b)))
     }
 

@@ -45,8 +45,8 @@ pub fn blended<const N: usize>(times: &[f64], exact: &[(usize, [DVec3; N])]) -> 
     spread(times, exact, BLEND)
 }
 
-/// The same over `fade` seconds.
-fn spread<const N: usize>(times: &[f64], exact: &[(usize, [DVec3; N])], fade: f64) -> Vec<[DVec3; N]> {
+/// The same over `fade` seconds, in any order.
+pub fn spread<const N: usize>(times: &[f64], exact: &[(usize, [DVec3; N])], fade: f64) -> Vec<[DVec3; N]> {
     let mut displacements = vec![[DVec3::ZERO; N]; times.len()];
     let mut labels = vec![false; times.len()];
     for (at, value) in exact {
