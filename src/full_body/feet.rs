@@ -18,7 +18,7 @@ use crate::limb::softened;
 use crate::skeleton::{Pose, Skeleton};
 
 /// A displacement below this is none, metres and radians: rounding, which a straight knee would magnify.
-const NOTHING: f64 = 1e-9;
+pub const NOTHING: f64 = 1e-9;
 
 /// Seconds in which the displacement of a foot vanishes before and after it bears.
 pub const FADE: f64 = 10.0 / 30.0;
@@ -297,53 +297,14 @@ impl Leg {
             changes[at] = limb.bend_at(goal) - captured[at];
             let steep = (hip.y - self.target(at).position.y) / distance.max(f64::MIN_POSITIVE);
             if steep > NEARLY_LEVEL {
-                least[at] = limb.bend_at(goal + clearances[at] / steep) - captured[at];
+                let raised = self.target(at).position.y - self.heights(at)[0];
+                let clearance = (clearances[at] + raised).max(0.0);
+                least[at] = limb.bend_at(goal + clearance / steep) - captured[at];
             }
         }
         soften(times, &captured, (&free, &least), &mut changes);
         (changes, free)
     }
-}
-
-/// Lowest ankle and toe of a leg in a plant.
-type Floor = [f64; 2];
-
-impl Leg {
-    /// How far the foot may come down at each sample before it is below the ground it leaves or comes to, metres.
-    fn clearances(&self) -> Vec<f64> {
-        let heights = |at: usize| {
-            let (ankle, toe) = (self.track.rest[at].limb.lower, self.track.rest[at].end);
-            match &self.corrections {
-                None => [ankle.y, toe.y],
-                Some(corrections) => {
-                    let [shift, turn] = corrections[at];
-                    [ankle.y + shift.y, (ankle + shift + exp(turn) * (toe - ankle)).y]
-                }
-            }
-        };
-        let mut clearances = vec![0.0; self.bound.len()];
-        let mut before: Option<Floor> = None;
-        let mut from = 0;
-        let end = Span { first: self.bound.len(), last: self.bound.len() };
-        for span in spans(&self.bound).into_iter().chain([end]) {
-            let own = (span.first..=span.last).take_while(|&at| at < end.first).map(heights).reduce(lower);
-            let floor = match (before, own) {
-                (Some(before), Some(own)) => Some(lower(before, own)),
-                (before, own) => before.or(own),
-            };
-            for (at, clearance) in (from..).zip(&mut clearances[from..span.first]) {
-                let [ankle, toe] = heights(at);
-                *clearance = floor.map_or(0.0, |floor| (ankle - floor[0]).min(toe - floor[1]).max(0.0));
-            }
-            before = own;
-            from = span.last + 1;
-        }
-        clearances
-    }
-}
-
-fn lower(a: Floor, b: Floor) -> Floor {
-    [a[0].min(b[0]), a[1].min(b[1])]
 }
 
 /// Which points of the feet and hands are planted, by the plans of their limbs.

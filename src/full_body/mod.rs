@@ -24,6 +24,7 @@ pub mod seams;
 pub mod reach;
 pub mod knees;
 pub mod feet;
+pub mod ground;
 pub mod plan;
 pub mod effector;
 pub mod hierarchical;
@@ -153,7 +154,10 @@ fn posed(skeleton: &Skeleton, input: &BodyInput, mut legs: Vec<Leg>) -> (Vec<Leg
         let is_beside =
             |end: &&Effector| end.part(skeleton, &leg.chain).is_some_and(|part| part != Part::End);
         let effectors: Vec<&Effector> = input.effectors.iter().filter(is_beside).collect();
-        bring_beside(skeleton, &input.times, (&leg.chain, &leg.bound), &effectors, &mut poses);
+        bring_beside(skeleton, &input.times, leg, &effectors, &mut poses);
+        if has_targets(skeleton, input, &leg.chain) {
+            leg.clear_ground(skeleton, &mut poses);
+        }
     }
     let limbs: Vec<Chain> = bearing_arms(skeleton).into_iter().flatten().collect();
     for limb in limbs.iter().filter(|limb| !legs.iter().any(|leg| leg.chain == **limb)) {
@@ -182,7 +186,15 @@ fn bind_feet(skeleton: &Skeleton, input: &BodyInput, legs: &mut [Leg]) {
             ends.into_iter().flat_map(|end| (end.first..).map_while(move |at| target(end, at))).collect();
         leg.bind(&input.times, &targets);
         leg.fill(&input.times);
+        if has_targets(skeleton, input, &chain) {
+            leg.keep_above_ground();
+        }
     }
+}
+
+/// Whether any effector is on `limb`.
+fn has_targets(skeleton: &Skeleton, input: &BodyInput, limb: &Chain) -> bool {
+    input.effectors.iter().any(|end| end.part(skeleton, limb).is_some())
 }
 
 /// How the body, which is in `poses`, must be shifted so that feet and other ends reach: down for the feet, any way for the
