@@ -197,6 +197,20 @@ impl Leg {
         Demand { hip: limb.upper, ankle: self.target(at).position, reach, fold }
     }
 
+    /// Of what it asks for (`demands`), what it would without targets for its foot: within a fade of these, nothing where it
+    /// does not stand. Cost: linear in targets times the samples in two fades.
+    pub fn own_demands(&self, times: &[f64], demands: &[Demand]) -> Vec<Demand> {
+        let mut own = demands.to_vec();
+        for at in (0..times.len()).filter(|&at| self.aimed[at]) {
+            let first = times.partition_point(|time| *time <= times[at] - FADE);
+            let end = times.partition_point(|time| *time < times[at] + FADE);
+            for led in (first..end).filter(|&led| !self.stands(led)) {
+                own[led] = Demand { reach: f64::INFINITY, fold: 0.0, ..own[led] };
+            }
+        }
+        own
+    }
+
     /// The lowest shift of the body at each sample, metres, at most 0: the hip stays a thigh's length above the lower ankle
     /// of the plants before and after, so that the knee is never below it wherever it points; or it comes down no farther.
     /// Infinite for hands, and where the foot never bears.
@@ -297,9 +311,7 @@ impl Leg {
             changes[at] = limb.bend_at(goal) - captured[at];
             let steep = (hip.y - self.target(at).position.y) / distance.max(f64::MIN_POSITIVE);
             if steep > NEARLY_LEVEL {
-                let raised = self.target(at).position.y - self.heights(at)[0];
-                let clearance = (clearances[at] + raised).max(0.0);
-                least[at] = limb.bend_at(goal + clearance / steep) - captured[at];
+                least[at] = limb.bend_at(goal + clearances[at] / steep) - captured[at];
             }
         }
         soften(times, &captured, (&free, &least), &mut changes);

@@ -141,7 +141,15 @@ impl<'a> Task<'a> {
         let places: Vec<Place> = poses.iter().map(|pose| limb.place(skeleton, pose)).collect();
         let mobility = Mobility::of(skeleton, limb, places.iter());
         let captured = poses.iter().map(|pose| pose.rotations[limb.lower.as_usize()]).collect();
-        Self { skeleton, limb, effectors, mobility, wrist: Wrist::of(skeleton, limb), captured, grounds: Vec::new() }
+        Self {
+            skeleton,
+            limb,
+            effectors,
+            mobility,
+            wrist: Wrist::of(skeleton, limb),
+            captured,
+            grounds: Vec::new(),
+        }
     }
 
     /// What is asked of the limb at a sample: of several effectors the one farthest out, of those the last one.

@@ -35,6 +35,8 @@ pub mod report;
 mod tests;
 #[cfg(test)]
 mod tests_of_bones;
+#[cfg(test)]
+mod tests_of_turns;
 
 use glam::DVec3;
 
@@ -204,9 +206,12 @@ fn body_shifts((skeleton, poses): (&Skeleton, &[Pose]), input: &BodyInput, legs:
     let feet: Vec<Vec<Demand>> =
         legs.iter().map(|leg| (0..times.len()).map(|at| leg.demand(at)).collect()).collect();
     let lowest = lowest_shifts(legs, times.len());
-    let base = lowered(times, (&feet, &lowest), &vec![DVec3::ZERO; times.len()]);
+    let still = vec![DVec3::ZERO; times.len()];
+    let own: Vec<Vec<Demand>> =
+        legs.iter().zip(&feet).map(|(leg, foot)| leg.own_demands(times, foot)).collect();
+    let base = lowered(times, (&own, &lowest), &still);
     let others = other_demands((skeleton, poses), input, legs);
-    if others.is_empty() {
+    if others.is_empty() && own == feet {
         return base;
     }
     let all_demands = |(at, mut others): (usize, Vec<Demand>)| {

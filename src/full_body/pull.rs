@@ -22,7 +22,7 @@ pub const FARTHEST: f64 = 0.8;
 pub const FASTEST: f64 = 1.5;
 
 /// Seconds in which less of a pull is done before and after it would be too fast.
-const WINDOW: f64 = 2.0 * FADE;
+const WINDOW: f64 = 3.0 * FADE;
 
 /// Samples nearer than this in time count as so far apart, seconds.
 const SHORTEST_STEP: f64 = 1e-3;

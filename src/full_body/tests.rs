@@ -25,7 +25,7 @@ pub(super) fn walk(seconds: f64) -> (Skeleton, BodyInput) {
 }
 
 /// A clip that nothing is done to.
-fn input_of(name: &str, clip: Clip) -> (Skeleton, BodyInput) {
+pub(super) fn input_of(name: &str, clip: Clip) -> (Skeleton, BodyInput) {
     let last = SourceFrame::from_usize(clip.frame_count() - 1);
     let working = WorkingClip::new(name, Arc::new(clip), SourceFrame(0), last);
     let rest: Vec<Pose> = (0..working.frame_count()).map(|frame| working.pose(frame as f64)).collect();
