@@ -2,8 +2,9 @@
 //!
 //! An edit moves and turns the root, joint angles stay: feet slide, hands miss. [`refine`] puts that right. Feet that bear
 //! stand as captured, on ground that moves as a whole with the edit; between, their displacement goes over from one plant
-//! to the next. So do hands that are stated to bear. Where limbs do not reach, the body comes down, smoothly. Hands go
-//! where else they must by hierarchical displacements. What an edit does not touch comes out bit for bit as it went in.
+//! to the next. So do hands that are stated to bear. Trunks and heads turn as asked before. Where limbs do not reach, the body
+//! comes down, smoothly, or follows, no farther and faster than it can. Hands go where else they must by hierarchical
+//! displacements. What an edit does not touch comes out bit for bit as it went in.
 //!
 //! Sources: Kovar, Schreiner & Gleicher, *Footskate Cleanup for Motion Capture Editing*, SCA 2002; Lee & Shin, *A
 //! Hierarchical Approach to Interactive Motion Editing for Human-like Figures*, SIGGRAPH 1999.
@@ -141,9 +142,8 @@ fn pinned(skeleton: &Skeleton, input: &BodyInput, limbs: &[Limb]) -> (Vec<Leg>, 
 fn posed(skeleton: &Skeleton, input: &BodyInput, mut legs: Vec<Leg>) -> (Vec<Leg>, Vec<Pose>) {
     bind_feet(skeleton, input, &mut legs);
     let mut poses = input.moved.clone();
-    turn_trunk(skeleton, &input.times, &input.effectors, &mut poses);
-    for leg in &mut legs {
-        leg.hang(skeleton, &poses);
+    if turn_trunk(skeleton, &input.times, &input.effectors, &mut poses) {
+        legs.iter_mut().for_each(|leg| leg.hang(skeleton, &poses));
     }
     let shifts = body_shifts((skeleton, &poses), input, &legs);
     for (pose, shift) in poses.iter_mut().zip(&shifts) {

@@ -38,11 +38,12 @@ const COLLARBONE: f64 = 0.698;
 const NOTHING: f64 = 1e-12;
 
 /// Turns joints that no limb brings to its targets as `effectors` ask, in all `poses`; the nearest to the root first. Cost: linear
-/// in samples, for each of the joints that take part in the turn of each such effector.
-pub fn turn_trunk(skeleton: &Skeleton, times: &[f64], effectors: &[Effector], poses: &mut [Pose]) {
+/// in samples, for each of the joints that take part in the turn of each such effector. Says whether any is asked for.
+pub fn turn_trunk(skeleton: &Skeleton, times: &[f64], effectors: &[Effector], poses: &mut [Pose]) -> bool {
     let body = Body::new(skeleton);
     let mut asked: Vec<&Effector> = effectors.iter().filter(|end| body.turns(end)).collect();
     asked.sort_by_key(|end| end.joint.as_usize());
+    let any = !asked.is_empty();
     // Samples at which each joint is turned already.
     let mut held: Vec<BTreeSet<usize>> = vec![BTreeSet::new(); skeleton.joints.len()];
     for end in asked {
@@ -61,6 +62,7 @@ pub fn turn_trunk(skeleton: &Skeleton, times: &[f64], effectors: &[Effector], po
             own.extend(turned.iter().map(|(at, _)| *at));
         }
     }
+    any
 }
 
 /// Rotation vectors of joints in their own axes.
