@@ -47,6 +47,7 @@ pub mod edit;
 pub mod graph;
 pub mod discrete;
 pub mod resample;
+pub mod meeting;
 pub mod reach;
 pub mod fingers;
 pub mod full_body;

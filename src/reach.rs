@@ -13,9 +13,10 @@ use crate::constraint::{Moment, When};
 use crate::effector::{EffectorTarget, EndEffector, Orientation};
 use crate::geometry::yaw;
 use crate::index::{CharacterId, JointId};
+use crate::meeting::{is_hand, meeting_point};
 use crate::object_motion::{AtRest, ObjectMotion, Owner, Performance, moment_time, skeleton_of};
 use crate::scene::Scene;
-use crate::skeleton::{JointFrame, JointRole};
+use crate::skeleton::JointFrame;
 use crate::ties::Ties;
 
 pub use missed::{carry_residuals, carry_residuals_of, effector_residual, effector_residuals};
@@ -304,10 +305,15 @@ impl Reach<'_> {
         }
     }
 
-    /// Between two hands that meet, at an own time, as nobody is corrected.
+    /// Where two hands meet, at an own time, as nobody is corrected.
     fn middle<P: Performance>(&self, stage: &Stage<'_, P>, time: f64) -> DVec3 {
-        let own = joint_at((stage.scene, stage.performance), self.own, self.effector.joint, time);
-        own.position.midpoint(self.partner(stage, stage.performance, time).position)
+        let (scene, own) = (stage.scene, (self.own, self.effector.joint, time));
+        let EffectorTarget::Joint { character, joint, when, .. } = &self.effector.target else {
+            return self.partner(stage, stage.performance, time).position;
+        };
+        let theirs =
+            when.as_ref().map_or(time, |other| paired_time(stage, (&self.effector.when, other), time));
+        meeting_point((scene, stage.performance), [own, (*character, *joint, theirs)])
     }
 
     /// Whether the joint is a hand and what it reaches another, which comes to meet it.
@@ -359,9 +365,4 @@ impl Reach<'_> {
             _ => time,
         }
     }
-}
-
-fn is_hand(scene: &Scene, who: CharacterId, joint: JointId) -> bool {
-    let role = skeleton_of(scene, who).joints[joint.as_usize()].role;
-    matches!(role, Some(JointRole::LeftHand | JointRole::RightHand))
 }

@@ -141,6 +141,49 @@ fn usual() -> impl Strategy<Value = String> {
     select(vec!["", "strength = \"hard\"\n", "strength = 1.0\n"]).prop_map(str::to_owned)
 }
 
+/// A joint that must be somewhere, at an instant or all along, from the first frame to the last.
+fn reach() -> impl Strategy<Value = String> {
+    let near_at = |end: &'static str| near().prop_map(move |place| place.replace(']', end));
+    let targets = prop_oneof![
+        near_at(", 0]").prop_map(|place| format!("{{ object = \"box\", point = {place} }}")),
+        near_at(", 0.5]").prop_map(|place| format!("{{ position = {place} }}")),
+        Just("{ character = \"c\", joint = \"left_hand\", at = \"c:41\" }".to_owned()),
+        Just("{ character = \"c\", joint = \"head\" }".to_owned()),
+    ];
+    let joints = select(vec![
+        "right_hand",
+        "left_hand",
+        "left_elbow",
+        "left_foot",
+        "right_foot",
+        "left_toe",
+        "right_toe",
+        "left_knee",
+        "right_knee",
+        "left_hip",
+        "left_shoulder",
+        "head",
+        "neck",
+        "chest",
+        "spine",
+        "pelvis",
+    ]);
+    let when = select(vec![
+        "at = \"a:start\"",
+        "at = \"a:10\"",
+        "at = \"b:end\"",
+        "at = \"a:end\"",
+        "at = \"b:20.5\"",
+        "during = [\"a:start\", \"a:12\"]",
+        "during = [\"b:10\", \"b:end\"]",
+        "during = [\"a:start\", \"a:end\"]",
+    ]);
+    let orientation = select(vec!["", "orientation = \"rest\"\n", "orientation = [10, 150, -70]\n"]);
+    (when, joints, targets, orientation).prop_map(|(when, joint, target, orientation)| {
+        format!("[[end_effector]]\n{when}\njoint = \"{joint}\"\ntarget = {target}\n{orientation}")
+    })
+}
+
 /// What has to do with objects that move, and with hands.
 fn thing() -> impl Strategy<Value = String> {
     let by = select(vec![("a", "\"a\""), ("b", "\"b\""), ("a", "\"a\", \"b\""), ("b", "\"c\", \"b\"")]);
@@ -158,17 +201,7 @@ fn thing() -> impl Strategy<Value = String> {
     let along = (who.clone(), things(), usual()).prop_map(|(who, to, strength)| {
         format!("[[relative]]\nduring = [\"{who}:12\", \"{who}:75\"]\nto = \"{to}\"\n{strength}")
     });
-    let targets = prop_oneof![
-        near().prop_map(|place| format!("{{ object = \"box\", point = {} }}", place.replace(']', ", 0]"))),
-        Just("{ character = \"c\", joint = \"left_hand\", at = \"c:41\" }".to_owned()),
-        Just("{ character = \"c\", joint = \"head\" }".to_owned()),
-    ];
-    let reach = (select(vec!["a:10", "b:end"]), targets, select(vec!["", "orientation = \"rest\"\n"]))
-        .prop_map(|(at, target, orientation)| {
-            format!(
-                "[[end_effector]]\nat = \"{at}\"\njoint = \"right_hand\"\ntarget = {target}\n{orientation}"
-            )
-        });
+    let reach = reach();
     let pin = (moment(), near(), usual())
         .prop_map(|(at, place, strength)| format!("[[pin]]\nat = {at}\nposition = {place}\n{strength}"));
     let time = (who, -5.0..20.0_f64, usual()).prop_map(|(who, seconds, strength)| {
@@ -178,9 +211,17 @@ fn thing() -> impl Strategy<Value = String> {
 }
 
 fn scene_of_things() -> impl Strategy<Value = String> {
+    scene_with(prop::collection::vec(thing(), 1..6).boxed())
+}
+
+fn scene_of_reaches() -> impl Strategy<Value = String> {
+    scene_with(prop::collection::vec(reach(), 1..4).boxed())
+}
+
+fn scene_with(things: BoxedStrategy<Vec<String>>) -> impl Strategy<Value = String> {
     let mode = select(vec!["", "mode = \"paper\"\n"]);
     let tracks = select(vec!["[\"walk\"]", "[\"idle\"]", "[\"run\"]"]);
-    (mode, tracks, prop::collection::vec(thing(), 1..6)).prop_map(|(mode, track, things)| {
+    (mode, tracks, things).prop_map(|(mode, track, things)| {
         let mut text = format!("{mode}{CLIPS}");
         for (name, track) in [("a", "[\"walk\"]"), ("b", track), ("c", "[\"idle\"]")] {
             let _ = write!(text, "[[character]]\nname = \"{name}\"\ntrack = {track}\n");
@@ -269,6 +310,11 @@ proptest! {
     fn a_sound_scene_of_things_has_a_finite_answer_or_an_error(text in scene_of_things()) {
         perform(&text)?;
     }
+
+    #[test]
+    fn whatever_joint_must_be_anywhere_a_scene_has_a_finite_answer(text in scene_of_reaches()) {
+        perform(&text)?;
+    }
 }
 
 #[test]
@@ -287,4 +333,11 @@ fn the_generator_makes_sound_scenes() {
         carried += u32::from(loaded.is_ok_and(|loaded| !loaded.scene.carries.is_empty()));
     }
     assert!(carried >= 10, "{carried} of 60 scenes of things are sound and carry");
+    let mut reached = 0;
+    for _ in 0..60 {
+        let text = scene_of_reaches().new_tree(&mut runner).expect("a scene").current();
+        let loaded = load_text(&text, Path::new("any.toml"), &ClipFolders::default());
+        reached += u32::from(loaded.is_ok_and(|loaded| !loaded.scene.end_effectors.is_empty()));
+    }
+    assert!(reached >= 20, "{reached} of 60 scenes of reaches are sound");
 }

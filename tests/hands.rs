@@ -227,6 +227,44 @@ fn face_to_face(stature: f64, distance: f64) -> String {
     FACE_TO_FACE.replace("STATURE", &stature.to_string()).replace("DISTANCE", &distance.to_string())
 }
 
+/// Two people who stand face to face with their arms hanging, and take each other by the hand.
+const HAND_IN_HAND: &str = "
+[clips]
+idle = { builtin = \"idle\", seconds = 4 }
+[[character]]
+name = \"ann\"
+track = [\"idle\"]
+facing = 0.0
+[[character]]
+name = \"bob\"
+track = [\"idle\"]
+position = [0.8, 0.0]
+facing = 180.0
+[[end_effector]]
+during = [\"ann:40\", \"ann:80\"]
+joint = \"right_hand\"
+target = { character = \"bob\", joint = \"left_hand\" }
+";
+
+#[test]
+fn hands_that_hang_out_of_each_others_reach_are_raised_and_nobody_squats() {
+    /// What arms that are nearly straight leave to the body, metres.
+    const STILL: f64 = 0.01;
+    for distance in ["0.6", "0.8", "0.95"] {
+        let text = HAND_IN_HAND.replace("0.8", distance);
+        let (miss, _) = misses(&text);
+        assert!(miss[0] < REACHED, "{distance} m apart: {}", miss[0]);
+        let scene = load(&text);
+        let mut editor = Editor::new(scene.clone()).expect("a regular scene");
+        let edit = editor.solve().expect("nothing is constrained");
+        let mut resampled = resample(&scene, edit).expect("a result of usual length");
+        for body in embody(&scene, edit, &mut resampled).bodies {
+            let shift = body.report.root_shift;
+            assert!(shift < STILL, "{distance} m apart, {shift} m pulled");
+        }
+    }
+}
+
 #[test]
 fn where_a_short_arm_does_not_reach_the_middle_the_longer_one_comes_to_it() {
     for (joint, at) in [("right_hand", ", at = \"bob/long_clap:hit\""), ("right_hand", "")] {

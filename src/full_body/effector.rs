@@ -2,7 +2,7 @@
 
 use glam::{DQuat, DVec3};
 
-use crate::full_body::chain::{Chain, EndPose, is_below, set_in_world, world_frame};
+use crate::full_body::chain::{Chain, EndPose, is_below, world_frame};
 use crate::full_body::hinge::Hinge;
 use crate::full_body::limits::MOST_BENT;
 use crate::full_body::reach::Demand;
@@ -101,13 +101,6 @@ impl Effector {
     pub fn shortfall(&self, skeleton: &Skeleton, pose: &Pose, at: usize) -> Option<f64> {
         let target = self.at(at)?;
         Some(world_frame(skeleton, pose, self.joint).position.distance(target.position))
-    }
-
-    /// Gives the joint its rotation at sample `at`, for joints that no limb brings there.
-    pub fn orient(&self, skeleton: &Skeleton, pose: &mut Pose, at: usize) {
-        if let Some(rotation) = self.at(at).and_then(|target| target.rotation) {
-            set_in_world(skeleton, pose, self.joint, rotation);
-        }
     }
 }
 

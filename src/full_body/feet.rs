@@ -18,7 +18,7 @@ use crate::limb::softened;
 use crate::skeleton::{Pose, Skeleton};
 
 /// A displacement below this is none, metres and radians: rounding, which a straight knee would magnify.
-const NOTHING: f64 = 1e-9;
+pub const NOTHING: f64 = 1e-9;
 
 /// Seconds in which the displacement of a foot vanishes before and after it bears.
 pub const FADE: f64 = 10.0 / 30.0;
@@ -59,6 +59,8 @@ pub struct Leg {
     pub corrections: Option<Vec<Displacement>>,
     /// Samples at which the foot must be where it is displaced to.
     pub bound: Vec<bool>,
+    /// Those of them at which it does not stand but is brought to a target elsewhere.
+    pub aimed: Vec<bool>,
     /// When its heel and its toe are planted: as captured, or held still.
     pub planted: [Vec<bool>; 2],
     /// How far it may stretch at each sample, metres.
@@ -118,6 +120,7 @@ impl Leg {
             self.planted.iter_mut().for_each(|labels| labels[other] = false);
         }
         for (at, displacement) in &bound {
+            self.aimed[*at] |= !self.bound[*at] || free[*at];
             (self.displacements[*at], self.bound[*at]) = (*displacement, true);
         }
         if let Some(corrections) = self.corrections.as_mut().filter(|_| !bound.is_empty()) {
@@ -159,13 +162,30 @@ impl Leg {
         displaced(&self.track.moved[at].end_pose(), &self.displacements[at])
     }
 
-    /// The sample nearest to `at` at which the foot is bound, at most half a fade away: what the body does at one sample it
+    /// Hangs the leg on a body that is turned: its foot stays where it is to be. Cost: linear.
+    pub fn hang(&mut self, skeleton: &Skeleton, turned: &[Pose]) {
+        for (at, pose) in turned.iter().enumerate() {
+            let place = self.chain.place(skeleton, pose);
+            if place != self.track.moved[at] {
+                let target = self.target(at);
+                self.displacements[at] = from_to(&place.end_pose(), &target);
+                self.track.moved[at] = place;
+            }
+        }
+    }
+
+    /// Whether the foot stands at sample `at`.
+    pub fn stands(&self, at: usize) -> bool {
+        self.bound[at] && !self.aimed[at]
+    }
+
+    /// The sample nearest to `at` at which the foot stands, at most half a fade away: what the body does at one sample it
     /// nearly does at those beside it, too.
-    pub fn bound_near(&self, times: &[f64], at: usize) -> Option<usize> {
+    pub fn standing_near(&self, times: &[f64], at: usize) -> Option<usize> {
         let away = |other: &usize| (times[*other] - times[at]).abs();
         let is_near = |other: &usize| away(other) < 0.5 * FADE;
-        let before = (0..=at).rev().take_while(is_near).find(|&other| self.bound[other]);
-        let after = (at..times.len()).take_while(is_near).find(|&other| self.bound[other]);
+        let before = (0..=at).rev().take_while(is_near).find(|&other| self.stands(other));
+        let after = (at..times.len()).take_while(is_near).find(|&other| self.stands(other));
         before.into_iter().chain(after).min_by(|a, b| away(a).total_cmp(&away(b)))
     }
 
@@ -175,6 +195,20 @@ impl Leg {
         let limb = self.track.moved[at].limb;
         let fold = limb.span_at(MOST_BENT).min(limb.upper.distance(limb.lower)).min(reach);
         Demand { hip: limb.upper, ankle: self.target(at).position, reach, fold }
+    }
+
+    /// Of what it asks for (`demands`), what it would without targets for its foot: within a fade of these, nothing where it
+    /// does not stand. Cost: linear in targets times the samples in two fades.
+    pub fn own_demands(&self, times: &[f64], demands: &[Demand]) -> Vec<Demand> {
+        let mut own = demands.to_vec();
+        for at in (0..times.len()).filter(|&at| self.aimed[at]) {
+            let first = times.partition_point(|time| *time <= times[at] - FADE);
+            let end = times.partition_point(|time| *time < times[at] + FADE);
+            for led in (first..end).filter(|&led| !self.stands(led)) {
+                own[led] = Demand { reach: f64::INFINITY, fold: 0.0, ..own[led] };
+            }
+        }
+        own
     }
 
     /// The lowest shift of the body at each sample, metres, at most 0: the hip stays a thigh's length above the lower ankle
@@ -283,47 +317,6 @@ impl Leg {
         soften(times, &captured, (&free, &least), &mut changes);
         (changes, free)
     }
-}
-
-/// Lowest ankle and toe of a leg in a plant.
-type Floor = [f64; 2];
-
-impl Leg {
-    /// How far the foot may come down at each sample before it is below the ground it leaves or comes to, metres.
-    fn clearances(&self) -> Vec<f64> {
-        let heights = |at: usize| {
-            let (ankle, toe) = (self.track.rest[at].limb.lower, self.track.rest[at].end);
-            match &self.corrections {
-                None => [ankle.y, toe.y],
-                Some(corrections) => {
-                    let [shift, turn] = corrections[at];
-                    [ankle.y + shift.y, (ankle + shift + exp(turn) * (toe - ankle)).y]
-                }
-            }
-        };
-        let mut clearances = vec![0.0; self.bound.len()];
-        let mut before: Option<Floor> = None;
-        let mut from = 0;
-        let end = Span { first: self.bound.len(), last: self.bound.len() };
-        for span in spans(&self.bound).into_iter().chain([end]) {
-            let own = (span.first..=span.last).take_while(|&at| at < end.first).map(heights).reduce(lower);
-            let floor = match (before, own) {
-                (Some(before), Some(own)) => Some(lower(before, own)),
-                (before, own) => before.or(own),
-            };
-            for (at, clearance) in (from..).zip(&mut clearances[from..span.first]) {
-                let [ankle, toe] = heights(at);
-                *clearance = floor.map_or(0.0, |floor| (ankle - floor[0]).min(toe - floor[1]).max(0.0));
-            }
-            before = own;
-            from = span.last + 1;
-        }
-        clearances
-    }
-}
-
-fn lower(a: Floor, b: Floor) -> Floor {
-    [a[0].min(b[0]), a[1].min(b[1])]
 }
 
 /// Which points of the feet and hands are planted, by the plans of their limbs.

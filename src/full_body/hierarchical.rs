@@ -10,8 +10,9 @@ use crate::full_body::chain::{Chain, Place, set_in_world};
 use crate::full_body::displacement::{Sample, Spline};
 use crate::full_body::effector::{Effector, Part, Target, end_pose};
 use crate::full_body::fade::{Slopes, fill};
-use crate::full_body::feet::FADE;
-use crate::full_body::hinge::{bring_lower, bring_upper};
+use crate::full_body::feet::{FADE, Leg};
+use crate::full_body::ground::Floor;
+use crate::full_body::hinge::{bend_above, bring_lower, bring_upper};
 use crate::full_body::pins::spans;
 use crate::full_body::wrist::Wrist;
 use crate::geometry::{exp, log};
@@ -45,8 +46,8 @@ pub fn blended<const N: usize>(times: &[f64], exact: &[(usize, [DVec3; N])]) -> 
     spread(times, exact, BLEND)
 }
 
-/// The same over `fade` seconds.
-fn spread<const N: usize>(times: &[f64], exact: &[(usize, [DVec3; N])], fade: f64) -> Vec<[DVec3; N]> {
+/// The same over `fade` seconds, in any order.
+pub fn spread<const N: usize>(times: &[f64], exact: &[(usize, [DVec3; N])], fade: f64) -> Vec<[DVec3; N]> {
     let mut displacements = vec![[DVec3::ZERO; N]; times.len()];
     let mut labels = vec![false; times.len()];
     for (at, value) in exact {
@@ -93,21 +94,21 @@ pub fn bring(skeleton: &Skeleton, times: &[f64], limb: &Chain, effectors: &[&Eff
     }
 }
 
-/// Brings the ends on the bones of `limb` above its foot (or its hand, which bears) to the targets of `effectors` in `poses`; where
-/// the foot is `bound` nothing changes. Cost: linear in samples.
+/// Brings the ends on the bones of `leg` above its foot (or its hand, which bears) to the targets of `effectors` in `poses`; where
+/// the foot is bound nothing changes, and nowhere it is below the ground. Cost: linear in samples.
 pub fn bring_beside(
     skeleton: &Skeleton,
     times: &[f64],
-    (limb, bound): (&Chain, &[bool]),
+    leg: &Leg,
     effectors: &[&Effector],
     poses: &mut [Pose],
 ) {
     if effectors.is_empty() {
         return;
     }
-    let task = Task::new((skeleton, limb), effectors, poses);
+    let task = Task { grounds: leg.grounds(), ..Task::new((skeleton, &leg.chain), effectors, poses) };
     let displacement = |at: usize| {
-        if bound[at] {
+        if leg.bound[at] {
             return Some((at, [DVec3::ZERO; 3]));
         }
         task.asked(at).map(|_| (at, task.displacement(&poses[at], at)))
@@ -127,6 +128,8 @@ struct Task<'a> {
     wrist: Option<Wrist>,
     /// Rotation of the lower joint at each sample before anything is brought anywhere.
     captured: Vec<DQuat>,
+    /// How low the lower joint and the end of a leg may come at each sample; empty for arms.
+    grounds: Vec<Floor>,
 }
 
 impl<'a> Task<'a> {
@@ -138,7 +141,15 @@ impl<'a> Task<'a> {
         let places: Vec<Place> = poses.iter().map(|pose| limb.place(skeleton, pose)).collect();
         let mobility = Mobility::of(skeleton, limb, places.iter());
         let captured = poses.iter().map(|pose| pose.rotations[limb.lower.as_usize()]).collect();
-        Self { skeleton, limb, effectors, mobility, wrist: Wrist::of(skeleton, limb), captured }
+        Self {
+            skeleton,
+            limb,
+            effectors,
+            mobility,
+            wrist: Wrist::of(skeleton, limb),
+            captured,
+            grounds: Vec::new(),
+        }
     }
 
     /// What is asked of the limb at a sample: of several effectors the one farthest out, of those the last one.
@@ -165,6 +176,8 @@ impl<'a> Task<'a> {
                 bring_upper(limb, self.skeleton, &mut solved, end);
                 if let Some(rotation) = rotation.filter(|_| joint == self.limb.middle) {
                     set_in_world(self.skeleton, &mut solved, joint, rotation);
+                } else if let Some(ground) = self.grounds.get(at) {
+                    bend_above(limb, self.skeleton, &mut solved, *ground);
                 }
             }
             (Part::End, Some(_)) => self.bring_turned(&mut solved, at, (effector, target)),

@@ -120,6 +120,36 @@ pub fn bring_upper(
     turn_in_world(skeleton, pose, chain.upper, minimal_rotation(bone, stopped) * turn);
 }
 
+/// Bends the middle joint of a limb of `pose` until its lower joint and its end are not below `ground`, their least heights, or as
+/// far as it folds.
+pub fn bend_above(
+    (chain, mobility): (&Chain, &Mobility),
+    skeleton: &Skeleton,
+    pose: &mut Pose,
+    ground: [f64; 2],
+) {
+    let place = chain.place(skeleton, pose);
+    let middle = place.limb.middle;
+    let axis = Hinge::new(&place, place.limb.lower, mobility.hint).axis;
+    let turn = |(point, height): (DVec3, f64)| {
+        let lever = point - middle;
+        let along = axis * lever.dot(axis);
+        let (across, aside) = (lever - along, axis.cross(lever));
+        let wanted = height - middle.y - along.y;
+        if across.y >= wanted {
+            return 0.0;
+        }
+        let rise = across.y.hypot(aside.y).max(f64::MIN_POSITIVE);
+        let top = aside.y.atan2(across.y);
+        (top - (wanted / rise).min(1.0).acos()).rem_euclid(std::f64::consts::TAU)
+    };
+    let most = (MOST_BENT - place.limb.bend()).max(0.0);
+    let bend = [place.limb.lower, place.end].into_iter().zip(ground).map(turn).fold(0.0, f64::max).min(most);
+    if bend > 0.0 {
+        turn_in_world(skeleton, pose, chain.middle, DQuat::from_axis_angle(axis, bend));
+    }
+}
+
 /// From the axes of the joint that the limb hangs on to the world's.
 fn above(chain: &Chain, place: &Place, pose: &Pose) -> DQuat {
     place.upper_rotation * pose.rotations[chain.upper.as_usize()].inverse()

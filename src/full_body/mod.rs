@@ -2,8 +2,9 @@
 //!
 //! An edit moves and turns the root, joint angles stay: feet slide, hands miss. [`refine`] puts that right. Feet that bear
 //! stand as captured, on ground that moves as a whole with the edit; between, their displacement goes over from one plant
-//! to the next. So do hands that are stated to bear. Where limbs do not reach, the body comes down, smoothly. Hands go
-//! where else they must by hierarchical displacements. What an edit does not touch comes out bit for bit as it went in.
+//! to the next. So do hands that are stated to bear. Trunks and heads turn as asked before. Where limbs do not reach, the body
+//! comes down, smoothly, or follows, no farther and faster than it can. Hands go where else they must by hierarchical
+//! displacements. What an edit does not touch comes out bit for bit as it went in.
 //!
 //! Sources: Kovar, Schreiner & Gleicher, *Footskate Cleanup for Motion Capture Editing*, SCA 2002; Lee & Shin, *A
 //! Hierarchical Approach to Interactive Motion Editing for Human-like Figures*, SIGGRAPH 1999.
@@ -24,14 +25,19 @@ pub mod seams;
 pub mod reach;
 pub mod knees;
 pub mod feet;
+pub mod ground;
 pub mod plan;
 pub mod effector;
 pub mod hierarchical;
+pub mod trunk;
+pub mod pull;
 pub mod report;
 #[cfg(test)]
 mod tests;
 #[cfg(test)]
 mod tests_of_bones;
+#[cfg(test)]
+mod tests_of_turns;
 
 use glam::DVec3;
 
@@ -45,6 +51,7 @@ use crate::full_body::plan::{Limb, Still, limbs, popped};
 use crate::full_body::reach::{Demand, Demands, drops, within_reach};
 pub use crate::full_body::report::{BodyReport, JointChange, PlantedPoint, Shortfall, WholeContact};
 pub use crate::full_body::seams::{Cut, Seams};
+use crate::full_body::trunk::turn_trunk;
 use crate::skeleton::{Pose, Skeleton};
 
 /// One character at successive moments: output frames, and constrained moments between them.
@@ -134,8 +141,11 @@ fn pinned(skeleton: &Skeleton, input: &BodyInput, limbs: &[Limb]) -> (Vec<Leg>, 
 /// The poses with each of `legs` where it is planned to be, and every other end where it must be.
 fn posed(skeleton: &Skeleton, input: &BodyInput, mut legs: Vec<Leg>) -> (Vec<Leg>, Vec<Pose>) {
     bind_feet(skeleton, input, &mut legs);
-    let shifts = body_shifts(skeleton, input, &legs);
     let mut poses = input.moved.clone();
+    if turn_trunk(skeleton, &input.times, &input.effectors, &mut poses) {
+        legs.iter_mut().for_each(|leg| leg.hang(skeleton, &poses));
+    }
+    let shifts = body_shifts((skeleton, &poses), input, &legs);
     for (pose, shift) in poses.iter_mut().zip(&shifts) {
         pose.root += *shift;
     }
@@ -146,7 +156,10 @@ fn posed(skeleton: &Skeleton, input: &BodyInput, mut legs: Vec<Leg>) -> (Vec<Leg
         let is_beside =
             |end: &&Effector| end.part(skeleton, &leg.chain).is_some_and(|part| part != Part::End);
         let effectors: Vec<&Effector> = input.effectors.iter().filter(is_beside).collect();
-        bring_beside(skeleton, &input.times, (&leg.chain, &leg.bound), &effectors, &mut poses);
+        bring_beside(skeleton, &input.times, leg, &effectors, &mut poses);
+        if has_targets(skeleton, input, &leg.chain) {
+            leg.clear_ground(skeleton, &mut poses);
+        }
     }
     let limbs: Vec<Chain> = bearing_arms(skeleton).into_iter().flatten().collect();
     for limb in limbs.iter().filter(|limb| !legs.iter().any(|leg| leg.chain == **limb)) {
@@ -154,7 +167,6 @@ fn posed(skeleton: &Skeleton, input: &BodyInput, mut legs: Vec<Leg>) -> (Vec<Leg
         let effectors: Vec<&Effector> = input.effectors.iter().filter(of_limb).collect();
         bring(skeleton, &input.times, limb, &effectors, &mut poses);
     }
-    orient_others(skeleton, input, (&limbs, &legs), &mut poses);
     (legs, poses)
 }
 
@@ -169,51 +181,65 @@ fn bind_feet(skeleton: &Skeleton, input: &BodyInput, legs: &mut [Leg]) {
         let above = above.into_iter().flat_map(|end| end.first..end.first + end.targets.len());
         leg.let_go(&input.times, above);
         let target = |end: &Effector, at: usize| {
-            let pose = &input.moved[at];
-            end.at(at).map(|target| (at, effector::end_pose(skeleton, &chain, pose, (end.joint, target))))
+            let place = |target| effector::end_pose(skeleton, &chain, &input.moved[at], (end.joint, target));
+            end.at(at).map(|target| (at, place(target)))
         };
         let targets: Vec<(usize, EndPose)> =
             ends.into_iter().flat_map(|end| (end.first..).map_while(move |at| target(end, at))).collect();
         leg.bind(&input.times, &targets);
         leg.fill(&input.times);
-    }
-}
-
-/// Gives joints that no limb brings anywhere their rotations.
-fn orient_others(
-    skeleton: &Skeleton,
-    input: &BodyInput,
-    (limbs, legs): (&[Chain], &[Leg]),
-    poses: &mut [Pose],
-) {
-    for end in &input.effectors {
-        let mut chains = legs.iter().map(|leg| &leg.chain).chain(limbs);
-        if chains.any(|limb| end.part(skeleton, limb) == Some(Part::End)) {
-            continue;
-        }
-        for (at, pose) in poses.iter_mut().enumerate().skip(end.first).take(end.targets.len()) {
-            end.orient(skeleton, pose, at);
+        if has_targets(skeleton, input, &chain) {
+            leg.keep_above_ground();
         }
     }
 }
 
-/// How the body must be shifted so that feet and other ends reach: down for the feet, any way for the others. Feet go
-/// first where not all can.
-fn body_shifts(skeleton: &Skeleton, input: &BodyInput, legs: &[Leg]) -> Vec<DVec3> {
+/// Whether any effector is on `limb`.
+fn has_targets(skeleton: &Skeleton, input: &BodyInput, limb: &Chain) -> bool {
+    input.effectors.iter().any(|end| end.part(skeleton, limb).is_some())
+}
+
+/// How the body, which is in `poses`, must be shifted so that feet and other ends reach: down for the feet, any way for the
+/// others. Feet go first where not all can.
+fn body_shifts((skeleton, poses): (&Skeleton, &[Pose]), input: &BodyInput, legs: &[Leg]) -> Vec<DVec3> {
     let times = &input.times;
     let feet: Vec<Vec<Demand>> =
         legs.iter().map(|leg| (0..times.len()).map(|at| leg.demand(at)).collect()).collect();
     let lowest = lowest_shifts(legs, times.len());
-    let others: Vec<(usize, Demands)> = other_demands(skeleton, input, legs)
-        .into_iter()
-        .map(|(at, others)| {
-            let bearing = |(leg, foot): (&Leg, &Vec<Demand>)| Some(foot[leg.bound_near(times, at)?]);
-            let feet = legs.iter().zip(&feet).filter_map(bearing).collect();
-            (at, Demands { feet, others, lowest: lowest[at] })
-        })
-        .collect();
+    let still = vec![DVec3::ZERO; times.len()];
+    let own: Vec<Vec<Demand>> =
+        legs.iter().zip(&feet).map(|(leg, foot)| leg.own_demands(times, foot)).collect();
+    let base = lowered(times, (&own, &lowest), &still);
+    let others = other_demands((skeleton, poses), input, legs);
+    if others.is_empty() && own == feet {
+        return base;
+    }
+    let all_demands = |(at, mut others): (usize, Vec<Demand>)| {
+        let standing = |(leg, foot): (&Leg, &Vec<Demand>)| Some(foot[leg.standing_near(times, at)?]);
+        let aimed = legs.iter().zip(&feet).filter(|(leg, _)| leg.aimed[at]);
+        others.extend(aimed.map(|(_, foot)| foot[at]));
+        let feet = legs.iter().zip(&feet).filter_map(standing).collect();
+        (at, Demands { feet, others, lowest: lowest[at] })
+    };
+    let others: Vec<(usize, Demands)> = others.into_iter().map(all_demands).collect();
+    let mut shifts = pulled_shifts(times, (legs, &feet), &lowest, &others);
+    let stands: Vec<bool> = (0..times.len()).map(|at| legs.iter().any(|leg| leg.stands(at))).collect();
+    let mut pulls: Vec<DVec3> = shifts.iter().zip(&base).map(|(shift, base)| *shift - *base).collect();
+    if pull::bound(times, &stands, &mut pulls) {
+        shifts = base.iter().zip(&pulls).map(|(base, pull)| *base + *pull).collect();
+    }
+    shifts
+}
+
+/// The same with all that `others` ask for, however far and fast it pulls the body where feet do not bear.
+fn pulled_shifts(
+    times: &[f64],
+    (legs, feet): (&[Leg], &[Vec<Demand>]),
+    lowest: &[f64],
+    others: &[(usize, Demands)],
+) -> Vec<DVec3> {
     let mut pulled = vec![DVec3::ZERO; times.len()];
-    let mut shifts = lowered(times, (&feet, &lowest), &pulled);
+    let mut shifts = lowered(times, (feet, lowest), &pulled);
     let missing = |shifts: &[DVec3]| -> Vec<(usize, [DVec3; 1])> {
         let miss = |at: usize, demands: &Demands| within_reach(demands, shifts[at]) - shifts[at];
         others.iter().map(|(at, demands)| (*at, [miss(*at, demands)])).collect()
@@ -228,16 +254,16 @@ fn body_shifts(skeleton: &Skeleton, input: &BodyInput, legs: &[Leg]) -> Vec<DVec
         for (pull, time) in pulled.iter_mut().zip(times) {
             *pull += DVec3::from_array(spline.at(*time));
         }
-        shifts = lowered(times, (&feet, &lowest), &pulled);
+        shifts = lowered(times, (feet, lowest), &pulled);
     }
     let exact = blended(times, &missing(&shifts));
     let pulled: Vec<bool> =
         pulled.iter().zip(&exact).map(|(pull, exact)| *pull + exact[0] != DVec3::ZERO).collect();
-    for ((shift, exact), lowest) in shifts.iter_mut().zip(exact).zip(&lowest) {
+    for ((shift, exact), lowest) in shifts.iter_mut().zip(exact).zip(lowest) {
         *shift += exact[0];
         shift.y = shift.y.max(*lowest);
     }
-    bring_back(times, &bearing_demands((legs, &feet), &lowest, &pulled), &mut shifts);
+    bring_back(times, &bearing_demands((legs, feet), lowest, &pulled), &mut shifts);
     shifts
 }
 
@@ -248,7 +274,7 @@ fn bearing_demands(
     pulled: &[bool],
 ) -> Vec<(usize, Demands)> {
     let demands = |at: usize| {
-        let bound = legs.iter().zip(feet).filter(|(leg, _)| leg.bound[at]);
+        let bound = legs.iter().zip(feet).filter(|(leg, _)| leg.stands(at));
         let feet: Vec<Demand> = bound.map(|(_, foot)| foot[at]).collect();
         Demands { feet, others: Vec::new(), lowest: lowest[at] }
     };
@@ -287,7 +313,11 @@ fn lowered(times: &[f64], (feet, lowest): (&[Vec<Demand>], &[f64]), pulled: &[DV
 }
 
 /// What the effectors that are on no foot ask of the body, by sample; samples without any are left out.
-fn other_demands(skeleton: &Skeleton, input: &BodyInput, legs: &[Leg]) -> Vec<(usize, Vec<Demand>)> {
+fn other_demands(
+    (skeleton, poses): (&Skeleton, &[Pose]),
+    input: &BodyInput,
+    legs: &[Leg],
+) -> Vec<(usize, Vec<Demand>)> {
     let feet: Vec<Chain> = legs.iter().filter(|leg| !leg.is_arm()).map(|leg| leg.chain).collect();
     let limbs: Vec<Chain> =
         bearing_arms(skeleton).into_iter().flatten().chain(feet.iter().copied()).collect();
@@ -296,7 +326,7 @@ fn other_demands(skeleton: &Skeleton, input: &BodyInput, legs: &[Leg]) -> Vec<(u
     let ends: Vec<(&Effector, Option<&Chain>)> =
         input.effectors.iter().filter(|end| !is_foot(end)).map(|end| (end, limb(end))).collect();
     let demands = |at: usize| -> Vec<Demand> {
-        ends.iter().filter_map(|(end, limb)| end.demand(skeleton, *limb, &input.moved[at], at)).collect()
+        ends.iter().filter_map(|(end, limb)| end.demand(skeleton, *limb, &poses[at], at)).collect()
     };
     (0..input.times.len()).map(|at| (at, demands(at))).filter(|(_, demands)| !demands.is_empty()).collect()
 }

@@ -75,6 +75,7 @@ fn planned(times: &[f64], limb: &Limb, track: LegTrack) -> Leg {
         soles: limb.soles,
         displacements: displacements(times, &track),
         corrections: None,
+        aimed: vec![false; track.rest.len()],
         bound: track.heel.iter().zip(&track.toe).map(|(heel, toe)| *heel || *toe).collect(),
         planted: [track.heel.clone(), track.toe.clone()],
         reaches: reaches(&track, None),
