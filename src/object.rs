@@ -1,5 +1,7 @@
 //! Things in a scene: how big they are, where they are by themselves, and who carries them when.
 
+use std::collections::BTreeMap;
+
 use glam::DVec3;
 
 use crate::constraint::Moment;
@@ -121,10 +123,9 @@ impl Course {
 
 /// Pairs of carries that follow each other with the same object, by position in `carries`.
 pub fn hand_overs(carries: &[Carry]) -> impl Iterator<Item = (usize, usize)> {
-    carries.iter().enumerate().filter_map(|(next, carry)| {
-        let before = carries[..next].iter().rposition(|before| before.object == carry.object)?;
-        Some((before, next))
-    })
+    let mut last = BTreeMap::new();
+    let pairs = carries.iter().enumerate();
+    pairs.filter_map(move |(next, carry)| last.insert(carry.object, next).map(|before| (before, next)))
 }
 
 #[cfg(test)]
