@@ -9,6 +9,7 @@ mod convert;
 mod draw;
 mod inspect;
 mod output;
+mod relay;
 mod run;
 mod summary;
 
@@ -43,6 +44,8 @@ enum Command {
     Convert(ConvertArgs),
     /// List the generated clips, or write one as BVH.
     Clips(ClipsArgs),
+    /// Write the scene of a crowd that hands boxes on along a curve.
+    Relay(relay::RelayArgs),
     /// Print the JSON Schema of scene files.
     Schema(SchemaArgs),
     /// Measure how long edits take, by size, solver and number of threads.
@@ -188,6 +191,7 @@ pub(crate) fn main() -> ExitCode {
         Command::Inspect(args) => inspect::inspect(&args),
         Command::Convert(args) => convert::convert(&args),
         Command::Clips(args) => inspect::clips(&args),
+        Command::Relay(args) => relay::relay(&args),
         Command::Schema(args) => schema(&args),
         Command::Bench(args) => bench::bench(&args),
     };

@@ -73,6 +73,9 @@ pub fn load_text(text: &str, path: &Path, folders: &ClipFolders) -> Result<Loade
     let groups = group::groups(&mut table, &mut report);
     let reckoned = group::reckoned(&groups);
     let table = DeValue::Table(group::expanded(table, &groups, &reckoned, &mut report));
+    if report.has_faults() {
+        return Err(faults(report, path, text));
+    }
     let node = Node { value: &table, place: Place::default() };
     let raw = raw::Scene::read(&node, &mut report).expect("a document is a table");
     let scene = check::check(&raw, path, &Lines::of(text), folders, &mut report);
