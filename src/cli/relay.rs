@@ -84,7 +84,13 @@ pub(crate) fn relay(args: &RelayArgs) -> Result<(), Failure> {
     let asked = asked(args).map_err(|error| output.fail(error))?;
     let text = relay::relay(&asked, &command(args, &asked)).map_err(|error| {
         let help = Some(error.help().to_owned());
-        output.fail(PlainError { file: "relay".to_owned(), line: 0, column: 0, message: error.to_string(), help })
+        output.fail(PlainError {
+            file: "relay".to_owned(),
+            line: 0,
+            column: 0,
+            message: error.to_string(),
+            help,
+        })
     })?;
     match &args.output {
         None => output.print(&text),
@@ -97,7 +103,8 @@ pub(crate) fn relay(args: &RelayArgs) -> Result<(), Failure> {
 }
 
 fn asked(args: &RelayArgs) -> Result<Relay, PlainError> {
-    let mut disturbances: Vec<Disturbance> = args.disturbance.iter().copied().map(Disturbance::from).collect();
+    let mut disturbances: Vec<Disturbance> =
+        args.disturbance.iter().copied().map(Disturbance::from).collect();
     disturbances.sort_unstable();
     disturbances.dedup();
     Ok(Relay {
@@ -115,7 +122,9 @@ fn asked(args: &RelayArgs) -> Result<Relay, PlainError> {
 }
 
 fn heights(text: &str) -> Result<(f64, f64), PlainError> {
-    let pair = text.split_once("..").and_then(|(from, to)| Some((from.trim().parse().ok()?, to.trim().parse().ok()?)));
+    let pair = text
+        .split_once("..")
+        .and_then(|(from, to)| Some((from.trim().parse().ok()?, to.trim().parse().ok()?)));
     pair.ok_or_else(|| {
         let message = format!("\"{text}\" is no range of heights");
         plain("--heights", (0, 0), message, "write two numbers of metres, as in 1.64..1.86")
@@ -140,10 +149,16 @@ fn along(text: &str) -> Result<Along, PlainError> {
     let ending = Path::new(path).extension().map(|ending| ending.to_string_lossy().to_lowercase());
     if !matches!(ending.as_deref(), Some("csv" | "txt" | "tsv" | "svg")) {
         let message = format!("\"{text}\" is no curve");
-        return Err(plain("--along", (0, 0), message, "write line, circle, spiral, or name a file that ends in .csv or .svg"));
+        return Err(plain(
+            "--along",
+            (0, 0),
+            message,
+            "write line, circle, spiral, or name a file that ends in .csv or .svg",
+        ));
     }
-    let content = std::fs::read_to_string(path)
-        .map_err(|error| plain(path, (0, 0), format!("cannot be read: {error}"), "name a text file that can be read"))?;
+    let content = std::fs::read_to_string(path).map_err(|error| {
+        plain(path, (0, 0), format!("cannot be read: {error}"), "name a text file that can be read")
+    })?;
     if is_svg(path) {
         let points = drawing::drawing(&content, id).map_err(|error| {
             plain(path, (error.line, error.column), error.to_string(), error.fault.help())
@@ -161,7 +176,9 @@ fn is_svg(path: &str) -> bool {
 
 /// The command that writes the same file anywhere: all that matters, the curve by the name of its file alone.
 fn command(args: &RelayArgs, asked: &Relay) -> String {
-    let curve = Path::new(&args.along).file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned());
+    let curve = Path::new(&args.along)
+        .file_name()
+        .map_or_else(String::new, |name| name.to_string_lossy().into_owned());
     let curve: String = curve.chars().filter(|c| !c.is_control()).collect();
     let mut text = format!("cotillion relay --characters {} --along {curve}", asked.characters);
     if let Some(spacing) = asked.spacing {

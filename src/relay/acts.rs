@@ -48,7 +48,8 @@ pub struct Place {
 pub fn act(name: &str, builtin: &str, parameters: &[(&str, f64)], events: &[(&str, usize)]) -> Act {
     let values: BTreeMap<String, f64> =
         parameters.iter().map(|(name, value)| ((*name).to_owned(), *value)).collect();
-    let clip = generate(builtin, &values).expect("the relay asks for clips that there are, within their ranges");
+    let clip =
+        generate(builtin, &values).expect("the relay asks for clips that there are, within their ranges");
     let last = SourceFrame::from_usize(clip.frame_count() - 1);
     let clip = WorkingClip::new(name, Arc::new(clip), SourceFrame(0), last);
     let mut declaration = format!("{{ builtin = \"{builtin}\"");
@@ -166,7 +167,8 @@ mod tests {
 
     #[test]
     fn turns_are_to_the_nearest_of_thirty_degrees() {
-        let nearest = [10.0, -10.0, 50.0, 178.0, -178.0, 190.0, -350.0].map(|degrees: f64| nearest_turn(degrees.to_radians()));
+        let nearest = [10.0, -10.0, 50.0, 178.0, -178.0, 190.0, -350.0]
+            .map(|degrees: f64| nearest_turn(degrees.to_radians()));
         assert_eq!(nearest, [30, -30, 60, 180, -180, -180, 30]);
     }
 

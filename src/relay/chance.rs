@@ -56,9 +56,8 @@ mod tests {
         (0..5000).for_each(|index| counts[below(5, 7, Choice::CarrierHeight, index)] += 1);
         // Five standard deviations of a count of 1000 in 5000.
         assert!(counts.iter().all(|count| (860..1140).contains(count)), "{counts:?}");
-        let same = (0..1000).filter(|index| {
-            below(2, 7, Choice::Side, *index) == below(2, 7, Choice::Coming, *index)
-        });
+        let same = (0..1000)
+            .filter(|index| below(2, 7, Choice::Side, *index) == below(2, 7, Choice::Coming, *index));
         assert!((420..580).contains(&same.count()));
         assert!((0..1000).all(|index| signed(3, Choice::Lateness, index).abs() <= 1.0));
         assert_eq!(below(0, 7, Choice::Side, 3), 0);

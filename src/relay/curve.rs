@@ -144,7 +144,10 @@ mod tests {
     fn curves_go_by_arc_length() {
         let bent = Curve::through(vec![c64::new(0.0, 0.0), c64::new(3.0, 0.0), c64::new(3.0, 4.0)]);
         let bent = bent.expect("it has a length");
-        assert_eq!((bent.length(), bent.at(3.0), bent.at(5.0)), (7.0, c64::new(3.0, 0.0), c64::new(3.0, 2.0)));
+        assert_eq!(
+            (bent.length(), bent.at(3.0), bent.at(5.0)),
+            (7.0, c64::new(3.0, 0.0), c64::new(3.0, 2.0))
+        );
         assert_eq!((bent.at(-1.0), bent.at(8.0)), (c64::new(-1.0, 0.0), c64::new(3.0, 5.0)));
         assert!((bent.direction(3.0, 1.0) - c64::new(0.5_f64.sqrt(), 0.5_f64.sqrt())).norm() < 1e-12);
     }
@@ -173,10 +176,7 @@ mod tests {
     fn what_does_not_fit_says_how_much_would() {
         let line = |length: f64| Along::Points(vec![c64::new(0.0, 0.0), c64::new(0.0, length)]);
         assert_eq!(curve(&line(40.0), 10, None).map(|(_, spacing)| spacing), Ok(4.0));
-        assert!(matches!(
-            curve(&line(40.0), 10, Some(5.0)),
-            Err(RelayError::TooShort { fit: 8, .. })
-        ));
+        assert!(matches!(curve(&line(40.0), 10, Some(5.0)), Err(RelayError::TooShort { fit: 8, .. })));
         assert!(matches!(curve(&line(20.0), 10, None), Err(RelayError::Stretched { .. })));
         assert!(matches!(curve(&line(0.0), 10, None), Err(RelayError::NoCurve)));
         assert!(matches!(curve(&Along::Circle, 5, None), Err(RelayError::Tight { .. })));

@@ -79,7 +79,8 @@ pub fn disturbers(relay: &Relay, carriers: &mut [Carrier], count: usize, acts: &
         if how == Disturbance::Pat && carriers[whom].comes {
             let take = carriers[whom].take;
             carriers[whom].comes = false;
-            carriers[whom].start = acts.wait.start(acts.wait.last(), acts.take_over.start(acts.take_over.last() / 2, take));
+            carriers[whom].start =
+                acts.wait.start(acts.wait.last(), acts.take_over.start(acts.take_over.last() / 2, take));
         }
         let carrier = carriers[whom];
         let left = match how {

@@ -55,10 +55,16 @@ impl DrawingFault {
     pub const fn help(&self) -> &'static str {
         match self {
             Self::NotXml(_) => "save it as plain SVG",
-            Self::NoCurve => "draw a path, polyline or polygon; other shapes are not followed: convert them to paths",
+            Self::NoCurve => {
+                "draw a path, polyline or polygon; other shapes are not followed: convert them to paths"
+            }
             Self::NoSuchId(_) => "name the id of one of them after '#', or draw just one and name none",
-            Self::Several(_) => "keep one, or name the id of the one that is meant, as in --along drawing.svg#route",
-            Self::Path(_) => "commands are M, L, H, V, C, S, Q, T, A and Z, small or capital, each with its numbers",
+            Self::Several(_) => {
+                "keep one, or name the id of the one that is meant, as in --along drawing.svg#route"
+            }
+            Self::Path(_) => {
+                "commands are M, L, H, V, C, S, Q, T, A and Z, small or capital, each with its numbers"
+            }
             Self::Points(_) => "write pairs of numbers, as in points=\"0,0 10,5\"",
             Self::Jumps(_) => "join its pieces: one M, at the beginning",
             Self::Transformed => "let the drawing program apply transforms to the path, or leave them out",
@@ -201,7 +207,10 @@ mod tests {
         assert_eq!((several.line, several.column, several.fault), (3, 1, DrawingFault::Several(2)));
         assert!(matches!(fault("<path d=\"M0 0 L\"/>").fault, DrawingFault::Path(_)));
         assert_eq!(fault("<path d=\"M0 0 1 1 M5 5 6 6\"/>").fault, DrawingFault::Jumps(2));
-        assert_eq!(fault("<g transform=\"scale(2)\"><path d=\"M0 0 1 1\"/></g>").fault, DrawingFault::Transformed);
+        assert_eq!(
+            fault("<g transform=\"scale(2)\"><path d=\"M0 0 1 1\"/></g>").fault,
+            DrawingFault::Transformed
+        );
         assert_eq!(fault("<polyline points=\"0,0 x,1\"/>").fault, DrawingFault::Points("x".to_owned()));
         assert_eq!(fault("<path d=\"M0 0 0 0\"/>").fault, DrawingFault::TooShort);
         assert_eq!(fault("<polyline points=\"1 1\"/>").fault, DrawingFault::TooShort);
@@ -211,9 +220,14 @@ mod tests {
 
     #[test]
     fn one_of_several_is_chosen_by_id_and_what_only_others_use_does_not_count() {
-        let text = svg("<defs><path d=\"M0 0 9 9\"/></defs><path id=\"a\" d=\"M0 0 1 0\"/><path id=\"b\" d=\"M0 0 2 0\"/>");
+        let text = svg(
+            "<defs><path d=\"M0 0 9 9\"/></defs><path id=\"a\" d=\"M0 0 1 0\"/><path id=\"b\" d=\"M0 0 2 0\"/>",
+        );
         assert_eq!(drawing(&text, Some("b")), Ok(vec![c64::new(0.0, 0.0), c64::new(2.0, 0.0)]));
-        assert!(matches!(drawing(&text, Some("c")), Err(DrawingError { fault: DrawingFault::NoSuchId(_), .. })));
+        assert!(matches!(
+            drawing(&text, Some("c")),
+            Err(DrawingError { fault: DrawingFault::NoSuchId(_), .. })
+        ));
     }
 
     proptest! {

@@ -116,7 +116,8 @@ pub fn layout(relay: &Relay) -> Result<Layout, RelayError> {
         return Err(RelayError::TooFar(far));
     }
     let disturbers = disturbers(relay, &mut carriers, disturbing, &acts);
-    let late = |load: usize| (0.5 * relay.phase * (1.0 + signed(relay.seed, Choice::Beginning, load))).max(0.0);
+    let late =
+        |load: usize| (0.5 * relay.phase * (1.0 + signed(relay.seed, Choice::Beginning, load))).max(0.0);
     let beginnings = (0..relay.boxes).map(|load| hundredths(late(load))).collect();
     Ok(Layout { carriers, disturbers, starters, beginnings, spacing, acts })
 }
@@ -224,7 +225,8 @@ fn chain(
             Some(_) if n + 1 == count => Part::Last(turned),
             Some(_) => Part::Middle(turned),
         };
-        let comes = below(3, relay.seed, Choice::Coming, n) == 0 && matches!(part, Part::Middle(_) | Part::Last(_));
+        let comes =
+            below(3, relay.seed, Choice::Coming, n) == 0 && matches!(part, Part::Middle(_) | Part::Last(_));
         let start = start(part, (take, give), comes, acts);
         carriers.push(Carrier { part, load, start, take, give, comes, stature });
     }

@@ -113,7 +113,9 @@ pub enum RelayError {
     #[error("a relay is of 2 to {MOST_CHARACTERS} characters, not {0}")]
     Characters(usize),
     /// Disturbers leave too few carriers, or outnumber them.
-    #[error("{disturbers} disturbers leave {carriers} carriers: there must be 2 at least, and one for each disturber")]
+    #[error(
+        "{disturbers} disturbers leave {carriers} carriers: there must be 2 at least, and one for each disturber"
+    )]
     Disturbers {
         /// Asked for.
         disturbers: usize,
@@ -121,7 +123,9 @@ pub enum RelayError {
         carriers: usize,
     },
     /// More boxes than carriers can start.
-    #[error("{boxes} boxes are too many for {carriers} carriers: at most {most}, {FEWEST_PER_BOX} carriers for each but a single one")]
+    #[error(
+        "{boxes} boxes are too many for {carriers} carriers: at most {most}, {FEWEST_PER_BOX} carriers for each but a single one"
+    )]
     Boxes {
         /// Asked for.
         boxes: usize,
@@ -134,7 +138,9 @@ pub enum RelayError {
     #[error("a spacing of {0:.3} m is outside {least} to {most} m", least = SPACINGS.0, most = SPACINGS.1)]
     Spacing(f64),
     /// The curve ends before the relay does.
-    #[error("the curve is {length:.2} m long: {carriers} carriers {spacing:.2} m apart need {needed:.2} m; it holds {fit}")]
+    #[error(
+        "the curve is {length:.2} m long: {carriers} carriers {spacing:.2} m apart need {needed:.2} m; it holds {fit}"
+    )]
     TooShort {
         /// Of the curve, metres.
         length: f64,
@@ -190,7 +196,9 @@ impl RelayError {
             Self::Disturbers { .. } => "ask for fewer --disturbers, or for more --characters",
             Self::Boxes { .. } => "ask for fewer --boxes, or for fewer --disturbers",
             Self::Spacing(_) => "ask for another --spacing",
-            Self::TooShort { .. } => "ask for fewer --characters or a smaller --spacing, or leave --spacing out",
+            Self::TooShort { .. } => {
+                "ask for fewer --characters or a smaller --spacing, or leave --spacing out"
+            }
             Self::Stretched { .. } => "ask for another number of --characters, or draw another curve",
             Self::Tight { .. } => "ask for more --characters, fewer --disturbers or a larger --spacing",
             Self::NoCurve => "draw a curve of two different points at least",

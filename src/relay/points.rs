@@ -33,8 +33,7 @@ pub enum PointsFault {
 }
 
 /// What to do about a fault.
-pub const HELP: &str =
-    "write a point a line: x and y of the plan in metres, as in 1.5, -2.0; # starts a comment, a first line may name columns";
+pub const HELP: &str = "write a point a line: x and y of the plan in metres, as in 1.5, -2.0; # starts a comment, a first line may name columns";
 
 /// Farthest from the origin that a point may be, metres.
 const FARTHEST: f64 = 1e5;
@@ -56,7 +55,11 @@ pub fn points(text: &str) -> Result<Vec<c64>, PointsError> {
         let heading = is_first && cells.iter().all(|(_, cell)| cell.parse::<f64>().is_err());
         is_first = false;
         if !heading {
-            points.push(point(&cells).map_err(|(column, fault)| PointsError { line: number + 1, column, fault })?);
+            points.push(point(&cells).map_err(|(column, fault)| PointsError {
+                line: number + 1,
+                column,
+                fault,
+            })?);
         }
     }
     if points.len() < 2 {
@@ -106,7 +109,12 @@ mod tests {
     #[test]
     fn tables_of_all_manners_are_read() {
         let expected = Ok(vec![c64::new(1.0, -2.0), c64::new(3.5, 4.0)]);
-        for text in ["1,-2\n3.5,4", "x;y\n1;-2\r\n3.5;4\r\n", "# a line\n\n 1\t-2 # here\n3.5 4e0\n", "\u{feff}1 , -2\n3.5 , 4"] {
+        for text in [
+            "1,-2\n3.5,4",
+            "x;y\n1;-2\r\n3.5;4\r\n",
+            "# a line\n\n 1\t-2 # here\n3.5 4e0\n",
+            "\u{feff}1 , -2\n3.5 , 4",
+        ] {
             assert_eq!(points(text), expected, "{text:?}");
         }
     }

@@ -85,7 +85,9 @@ fn clips(relay: &Relay, layout: &Layout) -> String {
     let between = has(|part| matches!(part, Part::Between(_)));
     let mut all: Vec<&Act> = vec![&acts.pick_up, &acts.carry, &acts.hand_over, &acts.put_down, &acts.rest];
     if has(|part| matches!(part, Part::Middle(_) | Part::Last(_))) {
-        all.extend(layout.carriers.iter().any(|carrier| is_taker(carrier) && !carrier.comes).then_some(&acts.wait));
+        all.extend(
+            layout.carriers.iter().any(|carrier| is_taker(carrier) && !carrier.comes).then_some(&acts.wait),
+        );
     }
     let jumps = disturbed(layout, Disturbance::Jump);
     let come = jumps || layout.carriers.iter().any(|carrier| carrier.comes);
@@ -273,7 +275,8 @@ fn between(layout: &Layout) -> Group {
             return None;
         };
         let mut way = vec!["pick up", "carry", "hand over", "turn about", "walk back"];
-        let (turned, wait) = (back.facing.map(|degrees| turn(degrees, false).name), format!("wait {:.1}", back.wait));
+        let (turned, wait) =
+            (back.facing.map(|degrees| turn(degrees, false).name), format!("wait {:.1}", back.wait));
         way.extend(turned.as_deref());
         way.extend([wait.as_str(), "take over", "put down", "rest"]);
         let track: Vec<String> = way.into_iter().map(quoted).collect();
@@ -323,7 +326,9 @@ fn last(relay: &Relay, layout: &Layout) -> String {
 
 fn hand_overs(layout: &Layout) -> Group {
     let pairs = layout.carriers.windows(2).enumerate();
-    let rows = pairs.map(|(n, pair)| vec![(n + 1).to_string(), format!("{:.3}", apart(pair[0].stature, pair[1].stature))]);
+    let rows = pairs.map(|(n, pair)| {
+        vec![(n + 1).to_string(), format!("{:.3}", apart(pair[0].stature, pair[1].stature))]
+    });
     Group {
         keys: &["n", "apart"],
         rows: rows.collect(),
@@ -346,7 +351,9 @@ strength = "hard"
 
 fn marks(layout: &Layout) -> Group {
     let givers = layout.carriers[..layout.carriers.len() - 1].iter().enumerate();
-    let rows = givers.filter(|(n, _)| n % 2 == 1).map(|(n, carrier)| vec![(n + 1).to_string(), point(carrier.give.position)]);
+    let rows = givers
+        .filter(|(n, _)| n % 2 == 1)
+        .map(|(n, carrier)| vec![(n + 1).to_string(), point(carrier.give.position)]);
     Group {
         keys: &["n", "position"],
         rows: rows.collect(),
@@ -411,7 +418,11 @@ const ASIDE_KEYS: &[&str] = &["n", "carrier", "position", "facing", "body", "ste
 fn aside_row(index: usize, disturber: &Disturber) -> Vec<String> {
     let mut row = whom(index, disturber);
     let side = if disturber.left { ASIDE_AT.1 } else { -ASIDE_AT.1 };
-    row.extend([quoted(&aside(!disturber.left).name), format!("{:.2}", disturber.late), format!("{side:.1}")]);
+    row.extend([
+        quoted(&aside(!disturber.left).name),
+        format!("{:.2}", disturber.late),
+        format!("{side:.1}"),
+    ]);
     row
 }
 
@@ -438,7 +449,8 @@ offset = "{late}"
 strength = "hard"
 "#;
 
-const JUMP_KEYS: &[&str] = &["n", "carrier", "position", "facing", "body", "hurdle", "heading", "late", "left"];
+const JUMP_KEYS: &[&str] =
+    &["n", "carrier", "position", "facing", "body", "hurdle", "heading", "late", "left"];
 
 fn jump_row(index: usize, disturber: &Disturber) -> Vec<String> {
     let mut row = whom(index, disturber);

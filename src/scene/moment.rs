@@ -113,10 +113,7 @@ pub enum Unresolved {
 ///
 /// # Errors
 /// [`Unresolved`] if it names none, or more than one.
-pub fn resolve(
-    text: &str,
-    (cast, places): (&[Member], &HashMap<&str, usize>),
-) -> Result<Moment, Unresolved> {
+pub fn resolve(text: &str, (cast, places): (&[Member], &HashMap<&str, usize>)) -> Result<Moment, Unresolved> {
     let parsed = parse(text).map_err(|error| {
         let help = "write CHARACTER:WHAT or CHARACTER/CLIP:WHAT, such as \"ann:start\" or \"ann/slap#2:hit\"";
         wrong(format!("\"{text}\" is no moment: {error}"), help)

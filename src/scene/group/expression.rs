@@ -107,7 +107,9 @@ impl Expression<'_> {
 impl Number {
     fn of(value: &DeValue<'_>) -> Option<Self> {
         match value {
-            DeValue::Integer(whole) => i64::from_str_radix(whole.as_str(), whole.radix()).ok().map(Self::Whole),
+            DeValue::Integer(whole) => {
+                i64::from_str_radix(whole.as_str(), whole.radix()).ok().map(Self::Whole)
+            }
             DeValue::Float(real) => Self::parse(real.as_str()),
             _ => None,
         }

@@ -28,7 +28,11 @@ pub fn groups<'a>(document: &mut DeTable<'a>, report: &mut Report) -> Vec<Templa
     };
     let place = Place { span: groups.span(), field: "group".to_owned() };
     let DeValue::Array(groups) = groups.into_inner() else {
-        report.fault(&place, "[group] is one table, but there may be many", "write [[group]] in double brackets");
+        report.fault(
+            &place,
+            "[group] is one table, but there may be many",
+            "write [[group]] in double brackets",
+        );
         return Vec::new();
     };
     groups.into_iter().enumerate().filter_map(|(index, group)| template(group, index, report)).collect()
@@ -98,7 +102,9 @@ fn merged<'a>(document: &mut DeTable<'a>, piece: DeTable<'a>, group: &Place, rep
                 report.fault(&place, format!("\"{}\" is of the whole scene", key.get_ref()), help);
                 sound = false;
             }
-            (Some(DeValue::Array(known)), DeValue::Array(new)) => new.into_iter().for_each(|new| known.push(new)),
+            (Some(DeValue::Array(known)), DeValue::Array(new)) => {
+                new.into_iter().for_each(|new| known.push(new))
+            }
             (Some(DeValue::Table(known)), DeValue::Table(new)) => sound &= beside(known, new, &place, report),
             (Some(_), _) => {
                 let message = format!("\"{}\" is there already, and something else", key.get_ref());

@@ -101,7 +101,11 @@ impl<'a> Template<'a> {
 
     fn is_sound(&self, report: &mut Report) -> bool {
         if self.tables.is_empty() {
-            report.fault(&self.place, "the group has no tables", "add [[group.character]] or other tables below it");
+            report.fault(
+                &self.place,
+                "the group has no tables",
+                "add [[group.character]] or other tables below it",
+            );
             return false;
         }
         if self.tables.contains_key("group") {
@@ -230,7 +234,11 @@ fn cells<'a>(
     match row.into_inner() {
         DeValue::Array(cells) if cells.len() == keys.len() => Some(cells.into_iter().collect()),
         DeValue::Array(cells) => {
-            report.fault(place, format!("expected {expected}, found {}", cells.len()), format!("write {expected}"));
+            report.fault(
+                place,
+                format!("expected {expected}, found {}", cells.len()),
+                format!("write {expected}"),
+            );
             None
         }
         _ => {
