@@ -69,53 +69,83 @@ pub fn pat() -> Act {
 
 /// `count` disturbers, spread evenly over the carriers. Who is to be patted waits.
 pub fn disturbers(relay: &Relay, carriers: &mut [Carrier], count: usize, acts: &Acts) -> Vec<Disturber> {
-    let clips = (aside(true), aside(false), jump(), pat());
+    let clips = Clips { left: aside(true), right: aside(false), jump: jump() };
     let all = (0..count).map(|index| {
         let whom = (2 * index + 1) * carriers.len() / (2 * count);
-        let how = relay.disturbances[below(relay.disturbances.len(), relay.seed, Choice::Disturbance, index)];
-        // Who starts with a box does not wait for one.
-        let waits = matches!(carriers[whom].part, Part::Middle(_) | Part::Last(_));
-        let how = if how == Disturbance::Pat && !waits { Disturbance::Aside } else { how };
-        if how == Disturbance::Pat && carriers[whom].comes {
-            let take = carriers[whom].take;
+        let how = how(relay, &carriers[whom], index);
+        if how == Disturbance::Pat {
+            let place = acts.take_over.start(acts.take_over.last() / 2, carriers[whom].take);
             carriers[whom].comes = false;
-            carriers[whom].start =
-                acts.wait.start(acts.wait.last(), acts.take_over.start(acts.take_over.last() / 2, take));
+            carriers[whom].start = acts.wait.start(acts.wait.last(), place);
         }
         let carrier = carriers[whom];
         let left = match how {
             Disturbance::Pat => wrap(carrier.give.facing - carrier.take.facing - PI) > 0.0,
-            _ => below(2, relay.seed, Choice::Side, index) == 0,
+            Disturbance::Aside | Disturbance::Jump => below(2, relay.seed, Choice::Side, index) == 0,
         };
-        let side = if left { 1.0 } else { -1.0 };
-        let middle = 0.5 * (carrier.take.position + carrier.give.position);
-        let facing = carrier.give.facing;
-        let against = facing + PI;
         let stature = stature(relay, Choice::DisturberHeight, index);
         let (start, hurdle) = match how {
-            Disturbance::Aside => {
-                let position = middle + cis(facing) * c64::new(ASIDE_AT.0, ASIDE_AT.1 * side);
-                // Who faces the carrier has the carrier's right on the left.
-                let clip = if left { &clips.1 } else { &clips.0 };
-                (clip.start(ASIDE_FRAME, Place { position, facing: against }), None)
-            }
+            Disturbance::Aside => (in_the_way(&carrier, left, &clips), None),
             Disturbance::Jump => {
-                let position = middle - cis(against) * c64::new(BESIDE.0, BESIDE.1 * side);
-                let hurdle = Place { position, facing: against };
-                (run_up(hurdle, &clips.2, acts), Some(hurdle))
+                let hurdle = hurdle(&carrier, left);
+                (run_up(hurdle, &clips.jump, acts), Some(hurdle))
             }
-            Disturbance::Pat => {
-                let (ahead, left) = pat_from(stature);
-                let position = carrier.take.position + cis(carrier.take.facing) * c64::new(ahead, left);
-                (Place { position, facing: carrier.take.facing }, None)
+            Disturbance::Pat => (behind(&carrier, stature), None),
+        };
+        let late = match how {
+            // Hands meet backs at one and the same moment.
+            Disturbance::Pat => 0.0,
+            Disturbance::Aside | Disturbance::Jump => {
+                hundredths(relay.phase * signed(relay.seed, Choice::Lateness, index))
             }
         };
-        let late = hundredths(relay.phase * signed(relay.seed, Choice::Lateness, index));
-        // Hands meet backs at one and the same moment.
-        let late = if how == Disturbance::Pat { 0.0 } else { late };
         Disturber { how, whom, left, start, hurdle, late, stature }
     });
     all.collect()
+}
+
+/// What disturbers perform.
+struct Clips {
+    left: Act,
+    right: Act,
+    jump: Act,
+}
+
+fn how(relay: &Relay, carrier: &Carrier, index: usize) -> Disturbance {
+    let how = relay.disturbances[below(relay.disturbances.len(), relay.seed, Choice::Disturbance, index)];
+    // Who starts with a box does not wait for one.
+    let waits = matches!(carrier.part, Part::Middle(_) | Part::Last(_));
+    if how == Disturbance::Pat && !waits { Disturbance::Aside } else { how }
+}
+
+fn middle(carrier: &Carrier) -> c64 {
+    0.5 * (carrier.take.position + carrier.give.position)
+}
+
+const fn side(left: bool) -> f64 {
+    if left { 1.0 } else { -1.0 }
+}
+
+/// Where who stands before a carrier steps aside from.
+fn in_the_way(carrier: &Carrier, left: bool, clips: &Clips) -> Place {
+    let facing = carrier.give.facing;
+    let position = middle(carrier) + cis(facing) * c64::new(ASIDE_AT.0, ASIDE_AT.1 * side(left));
+    // Who faces the carrier has the carrier's right on the left.
+    let clip = if left { &clips.right } else { &clips.left };
+    clip.start(ASIDE_FRAME, Place { position, facing: facing + PI })
+}
+
+/// A hurdle beside the carrier's way, to be taken against it.
+fn hurdle(carrier: &Carrier, left: bool) -> Place {
+    let facing = carrier.give.facing + PI;
+    Place { position: middle(carrier) - cis(facing) * c64::new(BESIDE.0, BESIDE.1 * side(left)), facing }
+}
+
+/// Behind who waits for a box.
+fn behind(carrier: &Carrier, stature: f64) -> Place {
+    let (ahead, left) = pat_from(stature);
+    let Place { position, facing } = carrier.take;
+    Place { position: position + cis(facing) * c64::new(ahead, left), facing }
 }
 
 /// Where who jumps over `hurdle` sets off.
