@@ -45,6 +45,10 @@ enum Command {
     /// List the generated clips, or write one as BVH.
     Clips(ClipsArgs),
     /// Write the scene of a crowd that hands boxes on along a curve.
+    ///
+    /// Carriers stand along the curve; each takes a box from the one before, turns, carries it on and hands it to the next,
+    /// exactly in space and time. Others get in their way. The scene is a text file like any other: edit it, drag it, run it.
+    /// The same arguments give the same file.
     Relay(relay::RelayArgs),
     /// Print the JSON Schema of scene files.
     Schema(SchemaArgs),

@@ -4,15 +4,11 @@ use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
 use cotillion::relay::{self, Along, Disturbance, Relay, drawing, points};
+use serde::Serialize;
 
 use super::output::{Output, PlainError};
 use super::{Failure, Manner};
 
-/// Writes the scene of a crowd that hands boxes on along a curve.
-///
-/// Carriers stand along the curve; each takes a box from the one before, turns, carries it on and hands it to the next, exactly
-/// in space and time. Others get in their way. The scene is a text file like any other: edit it, drag it, run it. The same
-/// arguments give the same file.
 #[derive(Debug, Args)]
 pub(crate) struct RelayArgs {
     /// Everybody: carriers and disturbers.
@@ -79,6 +75,15 @@ impl From<How> for Disturbance {
     }
 }
 
+/// What was written.
+#[derive(Debug, Serialize)]
+struct Written {
+    file: String,
+    carriers: usize,
+    boxes: usize,
+    disturbers: usize,
+}
+
 pub(crate) fn relay(args: &RelayArgs) -> Result<(), Failure> {
     let output = Output::new(args.manner);
     let asked = asked(args).map_err(|error| output.fail(error))?;
@@ -96,7 +101,13 @@ pub(crate) fn relay(args: &RelayArgs) -> Result<(), Failure> {
         None => output.print(&text),
         Some(path) => {
             output.write_file(path, text.as_bytes())?;
-            output.say(&format!("{}: {} characters\n", path.display(), asked.characters));
+            let file = path.display().to_string();
+            let (carriers, disturbers) = relay::counts(&asked).unwrap_or_default();
+            output.say(&format!(
+                "{file}: {carriers} carriers, {} boxes, {disturbers} disturbers\n",
+                asked.boxes
+            ));
+            output.print_json(&Written { file, carriers, boxes: asked.boxes, disturbers });
         }
     }
     Ok(())
