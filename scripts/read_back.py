@@ -2,14 +2,13 @@
 
     python read_back.py SCENE RESULT_FOLDER
 
-SCENE is the scene file (TOML; groups are written out here, too), or JSON with the same tables. Of its hard constraints those given as numbers are looked at:
-pins, places and facings relative to characters or objects, times, durations and synchronised moments, as they are after
-the drags of the scene. What holds as
-before the edit is looked at where both perform one BVH clip each of known unit, whose file is read as well. Where objects
-that move are comes from the animation in scene.glb, whose numbers are single precision. When a moment happens comes from
-report.json, as does what concerns times only. Where a moment falls on an output frame, places must hold
-to 1e-6 m and facings to 1e-4 degrees; where it falls between two, the four frames around it are interpolated, and the
-tolerances MID_... hold.
+SCENE is the scene file (TOML; groups are written out here, too), or JSON with the same tables. Of its hard constraints those
+given as numbers are looked at: pins, places and facings relative to characters or objects, times, durations and synchronised
+moments, as they are after the drags of the scene. What holds as before the edit is looked at where both perform one BVH clip
+each of known unit, whose file is read as well. Where objects that move are comes from the animation in scene.glb, whose
+numbers are single precision. When a moment happens comes from report.json, as does what concerns times only. Where a moment
+falls on an output frame, places must hold to 1e-6 m and facings to 1e-4 degrees; where it falls between two, the four frames
+around it are interpolated, and the tolerances MID_... hold.
 
 Prints a line per check and a summary. Exit code 1 when a check fails, when there was nothing to check, and when places are
 held but none could be looked at.
