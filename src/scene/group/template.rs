@@ -16,7 +16,7 @@ use crate::scene::tree::{Node, Read, elements, wrong_type};
 const MOST_ROWS: usize = 1_000_000;
 
 /// More values than this, over all rows of a group, do not fit a computer comfortably.
-const MOST_VALUES: usize = 20_000_000;
+const MOST_VALUES: usize = 5_000_000;
 
 /// Number of the row, from 1, in every group.
 pub const ROW: &str = "i";
