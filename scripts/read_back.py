@@ -2,14 +2,13 @@
 
     python read_back.py SCENE RESULT_FOLDER
 
-SCENE is the scene file (TOML), or JSON with the same tables. Of its hard constraints those given as numbers are looked at:
-pins, places and facings relative to characters or objects, times, durations and synchronised moments, as they are after
-the drags of the scene. What holds as
-before the edit is looked at where both perform one BVH clip each of known unit, whose file is read as well. Where objects
-that move are comes from the animation in scene.glb, whose numbers are single precision. When a moment happens comes from
-report.json, as does what concerns times only. Where a moment falls on an output frame, places must hold
-to 1e-6 m and facings to 1e-4 degrees; where it falls between two, the four frames around it are interpolated, and the
-tolerances MID_... hold.
+SCENE is the scene file (TOML; groups are written out here, too), or JSON with the same tables. Of its hard constraints those
+given as numbers are looked at: pins, places and facings relative to characters or objects, times, durations and synchronised
+moments, as they are after the drags of the scene. What holds as before the edit is looked at where both perform one BVH clip
+each of known unit, whose file is read as well. Where objects that move are comes from the animation in scene.glb, whose
+numbers are single precision. When a moment happens comes from report.json, as does what concerns times only. Where a moment
+falls on an output frame, places must hold to 1e-6 m and facings to 1e-4 degrees; where it falls between two, the four frames
+around it are interpolated, and the tolerances MID_... hold.
 
 Prints a line per check and a summary. Exit code 1 when a check fails, when there was nothing to check, and when places are
 held but none could be looked at.
@@ -306,6 +305,60 @@ def instants(constraint):
     return [constraint["at"]] if "at" in constraint else list(constraint["during"])
 
 
+PLACEHOLDER = re.compile(r"\{\{|\}\}|\{([^{}]*)\}")
+EXPRESSION = re.compile(r"(?:(-?[\d.]+)\s*\*\s*)?([^\W\d_]\w*)(?:\s*\*\s*(-?[\d.]+))?(?:\s*([+-])\s*([\d.]+))?")
+
+
+def number(text):
+    return float(text) if "." in text else int(text)
+
+
+def reckoned(expression, row):
+    """What a placeholder stands for in a row: a value of it, perhaps times a number, plus or minus a number."""
+    before, name, after, sign, amount = EXPRESSION.fullmatch(expression.strip()).groups()
+    value = row[name]
+    for factor in (before, after):
+        value = value * number(factor) if factor else value
+    return value + number(sign + amount) if sign else value
+
+
+def filled(template, row):
+    """A template of a group for one row."""
+    if isinstance(template, dict):
+        return {filled_text(key, row): filled(value, row) for key, value in template.items()}
+    if isinstance(template, list):
+        return [filled(value, row) for value in template]
+    if not isinstance(template, str):
+        return template
+    alone = PLACEHOLDER.fullmatch(template)
+    return reckoned(alone[1], row) if alone and alone[1] is not None else filled_text(template, row)
+
+
+def filled_text(text, row):
+    brace = {"{{": "{", "}}": "}"}
+    return PLACEHOLDER.sub(lambda match: brace.get(match[0]) or str(reckoned(match[1], row)), text)
+
+
+def merge(scene, piece):
+    """Adds tables to a scene: lists go on, tables get further keys."""
+    for key, value in piece.items():
+        if key not in scene:
+            scene[key] = value
+        elif isinstance(value, list):
+            scene[key] += value
+        else:
+            merge(scene[key], value)
+
+
+def write_out(scene):
+    """Replaces the groups of a scene by what they stand for."""
+    for group in scene.pop("group", []):
+        keys = group.pop("keys", [])
+        rows = group.pop("rows", None) or [[]] * group.pop("count")
+        for index, row in enumerate(rows):
+            merge(scene, filled(group, dict(zip(keys, row), i=index + 1)))
+
+
 def drag(scene):
     """Moves the targets of constraints to where the scene's drags end."""
     tables = {
@@ -330,6 +383,7 @@ def main():
         return 2
     path, folder = map(Path, sys.argv[1:])
     scene = json.loads(path.read_text()) if path.suffix == ".json" else tomllib.loads(path.read_text())
+    write_out(scene)
     drag(scene)
     checks = ReadBack(scene, path.parent, folder)
     checks.run()

@@ -54,6 +54,7 @@ pub mod full_body;
 pub mod embody;
 pub mod metrics;
 pub mod residual;
+pub mod relay;
 pub mod export;
 pub mod graph_cache;
 

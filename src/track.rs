@@ -46,7 +46,7 @@ pub struct Track {
 
 impl Track {
     /// Places the first run by `start`, each later run on the one before it.
-    fn place(&mut self, (position, facing): (Option<c64>, Option<f64>)) {
+    pub fn place(&mut self, (position, facing): (Option<c64>, Option<f64>)) {
         let clip = &self.clips[self.runs[0].entry];
         let first = self.runs[0].first.as_usize();
         let (from, heading) = (clip.positions[first], clip.headings[first]);

@@ -12,6 +12,7 @@ mod interrupt;
 mod merge;
 mod output;
 mod produce;
+mod relay;
 mod run;
 mod summary;
 
@@ -49,6 +50,12 @@ enum Command {
     Convert(ConvertArgs),
     /// List the generated clips, or write one as BVH.
     Clips(ClipsArgs),
+    /// Write the scene of a crowd that hands boxes on along a curve.
+    ///
+    /// Carriers stand along the curve; each takes a box from the one before, turns, carries it on and hands it to the next,
+    /// exactly in space and time. Others get in their way. The scene is a text file like any other: edit it, drag it, run it.
+    /// The same arguments give the same file.
+    Relay(relay::RelayArgs),
     /// Print the JSON Schema of scene files.
     Schema(SchemaArgs),
     /// Measure how long edits take, by size, solver and number of threads.
@@ -222,6 +229,7 @@ pub(crate) fn main() -> ExitCode {
         Command::Inspect(args) => inspect::inspect(&args),
         Command::Convert(args) => convert::convert(&args),
         Command::Clips(args) => inspect::clips(&args),
+        Command::Relay(args) => relay::relay(&args),
         Command::Schema(args) => schema(&args),
         Command::Bench(args) => bench::bench(&args),
     };

@@ -1,10 +1,12 @@
 //! What hands and feet have to do, once tracks tell when: hands asked for twice at a time, and bodies that nothing brings near
 //! what they reach or grasp.
 
+use std::collections::BTreeMap;
+
 use crate::constraint::{Constraint, ConstraintKind, Moment, Partner, Relation, When};
 use crate::effector::{EffectorTarget, EndEffector};
 use crate::geometry::plan_of;
-use crate::index::{CharacterId, JointId};
+use crate::index::{CharacterId, JointId, ObjectId};
 use crate::object::{Carry, Object};
 use crate::scene::checker::Checked;
 use crate::scene::moment::Member;
@@ -67,13 +69,16 @@ impl Performers<'_> {
 
 /// Reports end effectors on hands that carry meanwhile, as far as moments of one character tell.
 pub fn check_hands(checked: &Checked, performers: &Performers<'_>, report: &mut Report) {
+    let mut carries: BTreeMap<CharacterId, Vec<&Carry>> = BTreeMap::new();
+    checked.carries.iter().for_each(|carry| carries.entry(carry.during.0.character).or_default().push(carry));
     for (effector, place) in checked.end_effectors.iter().zip(&checked.effector_places) {
         let hands = joints(effector, performers);
         let hands = hands.into_iter().filter(|(joint, when)| {
             let skeleton = performers.skeleton(when.character());
             is_of_hand(skeleton, *joint)
         });
-        let pairs = hands.flat_map(|(_, when)| checked.carries.iter().map(move |carry| (carry, when)));
+        let own = |when: &When| carries.get(&when.character()).map_or(&[][..], Vec::as_slice);
+        let pairs = hands.flat_map(|(_, when)| own(when).iter().map(move |carry| (*carry, when)));
         for (carry, when) in pairs {
             match performers.meanwhile(carry, when) {
                 Some(true) => {
@@ -133,21 +138,25 @@ pub fn warn_of_lonely(
     performers: &Performers<'_>,
     report: &mut Report,
 ) {
-    let placed: Vec<Stretch> =
-        checked.constraints.iter().flat_map(placed).filter_map(|when| performers.stretch(when)).collect();
+    let mut all: BTreeMap<CharacterId, Vec<Stretch>> = BTreeMap::new();
+    for stretch in checked.constraints.iter().flat_map(placed).filter_map(|when| performers.stretch(when)) {
+        all.entry(stretch.0).or_default().push(stretch);
+    }
+    let placed = |who: CharacterId| all.get(&who).map_or(&[][..], Vec::as_slice);
     for (effector, place) in checked.end_effectors.iter().zip(&checked.effector_places) {
         let Some(stretch) = performers.stretch(&effector.when) else {
             continue;
         };
-        if !placed.iter().any(|known| is_near(known, stretch)) {
+        if !placed(stretch.0).iter().any(|known| is_near(known, stretch)) {
             let message = format!("nothing brings the body near what \"{}\" reaches", effector.name);
             report.warn(place, message, "add a [[pin]] or a [[relative]] at this moment");
         }
     }
-    for (index, (carry, place)) in checked.carries.iter().zip(&checked.carry_places).enumerate() {
-        let before = &checked.carries[..index];
+    let mut before: BTreeMap<ObjectId, Vec<&Carry>> = BTreeMap::new();
+    for (carry, place) in checked.carries.iter().zip(&checked.carry_places) {
+        let before = before.entry(carry.object).or_default();
         for who in &carry.by {
-            let is_there = brought(carry, *who, (&placed, before), performers)
+            let is_there = brought(carry, *who, (placed(*who), before), performers)
                 || stands_near(carry, *who, (objects, before), performers);
             if !is_there {
                 let (who, carry) = (performers.name(*who), &carry.name);
@@ -155,6 +164,7 @@ pub fn warn_of_lonely(
                 report.warn(place, message, "add a [[relative]] to the object at the moment of the grasp");
             }
         }
+        before.push(carry);
     }
 }
 
@@ -163,16 +173,16 @@ fn is_near(known: &Stretch, (who, first, last): Stretch) -> bool {
 }
 
 /// Whether something brings a carrier near when it grasps: a place held about then (at any time, for those whose moments the
-/// carry does not name), or a carry of the same thing just before.
+/// carry does not name), or a carry of the same thing just before. `placed`: of the carrier; `before`: of the same object.
 fn brought(
     carry: &Carry,
     who: CharacterId,
-    (placed, before): (&[Stretch], &[Carry]),
+    (placed, before): (&[Stretch], &[&Carry]),
     performers: &Performers<'_>,
 ) -> bool {
     let grasp = &carry.during.0;
     if grasp.character != who {
-        return placed.iter().any(|known| known.0 == who);
+        return !placed.is_empty();
     }
     let Some(frame) = performers.frame(grasp) else {
         return true;
@@ -180,7 +190,7 @@ fn brought(
     let had = before.iter().any(|one| {
         let released = performers.frame(&one.during.1);
         let just_before = released.is_some_and(|released| (released - frame).abs() < NEAR);
-        one.object == carry.object && one.during.1.character == who && just_before
+        one.during.1.character == who && just_before
     });
     had || placed.iter().any(|known| is_near(known, (who, frame, frame)))
 }
@@ -190,14 +200,14 @@ fn brought(
 fn stands_near(
     carry: &Carry,
     who: CharacterId,
-    (objects, before): (&[Object], &[Carry]),
+    (objects, before): (&[Object], &[&Carry]),
     performers: &Performers<'_>,
 ) -> bool {
     let root = |who, frame| performers.track(who).map(|track| plan_of(track.pose(frame).root));
     let (Some(track), Some(object)) = (performers.track(who), objects.get(carry.object.as_usize())) else {
         return true;
     };
-    let release = before.iter().rfind(|one| one.object == carry.object).map(|one| &one.during.1);
+    let release = before.last().map(|one| &one.during.1);
     let left = release.and_then(|moment| root(moment.character, performers.frame(moment)?));
     let place = left.unwrap_or_else(|| object.course.pose_at(0.0).plan());
     let [ahead, _, across] = object.size;

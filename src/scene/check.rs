@@ -4,7 +4,9 @@ use std::collections::BTreeMap;
 use std::path::Path;
 use std::sync::Arc;
 
+use crate::clip::working::WorkingClip;
 use crate::constraint::Instant;
+use crate::geometry::c64;
 use crate::object::Object;
 use crate::scene::bodies::Bodies;
 use crate::scene::busy::Performers;
@@ -192,13 +194,16 @@ fn characters(
     report: &mut Report,
 ) -> Vec<Character> {
     let rule = seam_rule(mode(raw));
+    let mut strung = Strung::new();
     let tracks: Vec<Option<Track>> = raw
         .character
         .tables()
         .iter()
         .zip(cast)
         .zip(protected(cast.len(), checked))
-        .map(|((character, member), protected)| track(&character.value, member, (&protected, rule), report))
+        .map(|((character, member), protected)| {
+            track(&character.value, member, (&protected, rule), &mut strung, report)
+        })
         .collect();
     check_intervals(checked, cast, &tracks, report);
     let performers = Performers { cast, tracks: &tracks };
@@ -228,10 +233,39 @@ fn protected(count: usize, checked: &Checked) -> Vec<Vec<Protected>> {
     frames
 }
 
+/// Clips strung so far, not yet placed: by the clips, which live as long as the scene is read, and by the frames that stay.
+type Strung = BTreeMap<(Vec<usize>, Vec<(usize, u64)>), (Track, Vec<SeamChoice>)>;
+
+/// Strings clips as [`Track::string`] does; what was strung before is only placed. Crowds perform the same few tracks.
+fn string(
+    clips: Vec<Arc<WorkingClip>>,
+    protected: &[Protected],
+    start: (Option<c64>, Option<f64>),
+    rule: SeamRule,
+    strung: &mut Strung,
+) -> (Track, Vec<SeamChoice>) {
+    let mut frames: Vec<_> = protected.iter().map(|frame| (frame.entry, frame.working.to_bits())).collect();
+    frames.sort_unstable();
+    frames.dedup();
+    let key = (clips.iter().map(|clip| Arc::as_ptr(clip).addr()).collect(), frames);
+    if let Some((track, seams)) = strung.get(&key) {
+        // Warnings name the moments of the one they are about.
+        if seams.iter().all(|seam| seam.distance <= seam.admissible) {
+            let mut track = track.clone();
+            track.place(start);
+            return (track, seams.clone());
+        }
+    }
+    let (track, seams) = Track::string(clips, protected, start, rule);
+    strung.insert(key, (track.clone(), seams.clone()));
+    (track, seams)
+}
+
 fn track(
     character: &raw::Character,
     member: &Member,
     (protected, rule): (&[Protected], SeamRule),
+    strung: &mut Strung,
     report: &mut Report,
 ) -> Option<Track> {
     let position = character.position.given().map(|position| plan_point(position, report));
@@ -244,7 +278,7 @@ fn track(
     if !clips.iter().all(|clip| skeleton.matches(&clip.clip.skeleton)) {
         return None;
     }
-    let (track, seams) = Track::string(clips, protected, (position, facing), rule);
+    let (track, seams) = string(clips, protected, (position, facing), rule, strung);
     for seam in seams.iter().filter(|seam| seam.distance > seam.admissible) {
         let place = places.value.get(seam.entry).map_or(&places.place, |at| &at.place);
         report.warn(place, seam_of_unlike_poses(seam, &member.track), seam_remedy(seam));

@@ -1,6 +1,6 @@
 //! What all constraints share: names, strengths, moments and intervals.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, HashMap};
 
 use crate::constraint::{Constraint, ConstraintKind, Discrete, Instant, Moment, Strength, When};
 use crate::effector::EndEffector;
@@ -88,6 +88,10 @@ pub struct Head<'a> {
 pub struct Checker<'a> {
     /// Who performs.
     pub cast: &'a [Member],
+    /// Where in the cast each name comes first.
+    pub cast_places: HashMap<&'a str, usize>,
+    /// Where among the objects each name comes first.
+    pub object_places: HashMap<&'a str, usize>,
     /// Names of the objects, in the order of the file; empty where a name is at fault.
     pub objects: Vec<&'a str>,
     /// Which of them move by keys.
@@ -198,7 +202,7 @@ impl Checker<'_> {
 
     /// The moment that `text` names.
     pub fn moment(&mut self, text: &str, place: &Place) -> Option<Moment> {
-        match moment::resolve(text, self.cast) {
+        match moment::resolve(text, (self.cast, &self.cast_places)) {
             Ok(moment) => Some(moment),
             Err(Unresolved::Spoiled) => None,
             Err(Unresolved::Wrong { message, help }) => {
@@ -207,6 +211,15 @@ impl Checker<'_> {
             }
         }
     }
+}
+
+/// Where each name comes first.
+pub fn first_places<'a>(names: impl Iterator<Item = &'a str>) -> HashMap<&'a str, usize> {
+    let mut places = HashMap::new();
+    for (place, name) in names.enumerate() {
+        places.entry(name).or_insert(place);
+    }
+    places
 }
 
 /// A time within reason.

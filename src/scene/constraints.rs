@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use crate::constraint::{ConstraintKind, Partner, Relation, When};
 use crate::geometry::c64;
 use crate::index::ObjectId;
-use crate::scene::checker::{Checked, Checker, Head, plan_point, seconds_within};
+use crate::scene::checker::{Checked, Checker, Head, first_places, plan_point, seconds_within};
 use crate::scene::moment::Member;
 use crate::scene::raw;
 use crate::scene::report::{At, Lines, Place, Report};
@@ -17,9 +17,12 @@ use crate::scene::values::{OneOrPair, WordOr};
 pub fn check(raw: &raw::Scene, cast: &[Member], lines: &Lines<'_>, report: &mut Report) -> Checked {
     let objects = raw.object.tables().iter();
     let objects = objects.map(|object| object.value.name.value().map_or("", String::as_str));
+    let objects: Vec<&str> = objects.collect();
     let mut checker = Checker {
         cast,
-        objects: objects.collect(),
+        cast_places: first_places(cast.iter().map(|member| member.name.as_str())),
+        object_places: first_places(objects.iter().copied()),
+        objects,
         keyed: raw.object.tables().iter().map(|object| !object.value.keys.is_absent()).collect(),
         lines,
         report,
@@ -132,10 +135,10 @@ impl Checker<'_> {
 
     /// The object called `name`.
     pub fn object(&mut self, name: &str, place: &Place) -> Option<ObjectId> {
-        if let Some(object) = self.objects.iter().position(|known| *known == name) {
-            return Some(ObjectId::from_usize(object));
+        if let Some(object) = self.object_places.get(name) {
+            return Some(ObjectId::from_usize(*object));
         }
-        if self.cast.iter().any(|member| member.name == name) {
+        if self.cast_places.contains_key(name) {
             let message = format!("\"{name}\" is a character: say at which moment");
             self.report.fault(place, message, format!("write a moment such as \"{name}:start\""));
         } else if self.objects.iter().all(|known| !known.is_empty()) {

@@ -45,7 +45,7 @@ impl Checker<'_> {
     }
 
     fn member(&mut self, name: &At<String>) -> Option<CharacterId> {
-        let found = self.cast.iter().position(|member| member.name == name.value);
+        let found = self.cast_places.get(name.value.as_str()).copied();
         if found.is_none() {
             let names: Vec<&str> = self.cast.iter().map(|member| member.name.as_str()).collect();
             let message = format!("there is no character \"{}\"", name.value);

@@ -9,6 +9,7 @@ use crate::scene::Scene;
 use crate::scene::check;
 use crate::scene::clips::ClipFolders;
 use crate::scene::diagnostic::{Diagnostic, SceneFaults};
+use crate::scene::group;
 use crate::scene::raw;
 use crate::scene::report::{Lines, Place, Report};
 use crate::scene::tree::{Node, Read};
@@ -68,7 +69,13 @@ pub fn load_text(text: &str, path: &Path, folders: &ClipFolders) -> Result<Loade
         report.fault(&Place { span, field: String::new() }, message, help);
         return Err(faults(report, path, text));
     }
-    let table = DeValue::Table(table.into_inner());
+    let mut table = table.into_inner();
+    let groups = group::groups(&mut table, &mut report);
+    let reckoned = group::reckoned(&groups);
+    let table = DeValue::Table(group::expanded(table, &groups, &reckoned, &mut report));
+    if report.has_faults() {
+        return Err(faults(report, path, text));
+    }
     let node = Node { value: &table, place: Place::default() };
     let raw = raw::Scene::read(&node, &mut report).expect("a document is a table");
     let scene = check::check(&raw, path, &Lines::of(text), folders, &mut report);

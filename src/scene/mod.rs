@@ -11,6 +11,7 @@ pub mod diagnostic;
 pub mod discrete;
 pub mod drags;
 pub mod effectors;
+pub mod group;
 pub mod load;
 pub mod manipulation;
 pub mod moment;

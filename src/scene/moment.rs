@@ -1,6 +1,6 @@
 //! Moment references, `ann/slap#2:hit`: their grammar, and the frames they name.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, HashMap};
 use std::sync::Arc;
 
 use crate::clip::working::WorkingClip;
@@ -109,16 +109,16 @@ pub enum Unresolved {
     Spoiled,
 }
 
-/// The moment that `text` names among `cast`.
+/// The moment that `text` names among `cast`; `places`: where in it each name comes first.
 ///
 /// # Errors
 /// [`Unresolved`] if it names none, or more than one.
-pub fn resolve(text: &str, cast: &[Member]) -> Result<Moment, Unresolved> {
+pub fn resolve(text: &str, (cast, places): (&[Member], &HashMap<&str, usize>)) -> Result<Moment, Unresolved> {
     let parsed = parse(text).map_err(|error| {
         let help = "write CHARACTER:WHAT or CHARACTER/CLIP:WHAT, such as \"ann:start\" or \"ann/slap#2:hit\"";
         wrong(format!("\"{text}\" is no moment: {error}"), help)
     })?;
-    let position = cast.iter().position(|member| member.name == parsed.character).ok_or_else(|| {
+    let position = places.get(parsed.character).copied().ok_or_else(|| {
         if cast.iter().any(|member| member.name.is_empty()) {
             return Unresolved::Spoiled;
         }

@@ -172,8 +172,8 @@ impl Checker<'_> {
 
     /// The character called `name`.
     pub fn character(&mut self, name: &str, place: &crate::scene::report::Place) -> Option<CharacterId> {
-        if let Some(found) = self.cast.iter().position(|member| member.name == name) {
-            return Some(CharacterId::from_usize(found));
+        if let Some(found) = self.cast_places.get(name) {
+            return Some(CharacterId::from_usize(*found));
         }
         if self.cast.iter().all(|member| !member.name.is_empty()) {
             let names: Vec<_> = self.cast.iter().map(|member| member.name.as_str()).collect();

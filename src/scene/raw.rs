@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use schemars::JsonSchema;
 use toml::de::DeValue;
 
+use crate::scene::group::Groups;
 use crate::scene::manipulation::{Discrete, Drag};
 use crate::scene::report::{At, Report};
 use crate::scene::things::{Carry, EndEffector, FullBody, Object};
@@ -56,6 +57,8 @@ table! {
             physics: Physics,
             /// Feet and hands of the whole body.
             full_body: FullBody,
+            /// Tables written once and meant once for every row.
+            group: Groups,
         }
     }
 }

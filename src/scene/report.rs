@@ -1,5 +1,6 @@
 //! Collects every fault and warning of one file, then gives them their lines and columns.
 
+use std::collections::BTreeMap;
 use std::ops::Range;
 
 use crate::scene::diagnostic::{Diagnostic, Severity};
@@ -46,9 +47,11 @@ impl Report {
         self.found.iter().any(|(severity, ..)| *severity == Severity::Fault)
     }
 
-    /// Faults and warnings of the file `file` that says `text`, each in the order of the file, none twice.
+    /// Faults and warnings of the file `file` that says `text`, each in the order of the file, none twice. Of one place, which
+    /// stands for many in a group, only the first few are told.
     pub fn finish(mut self, file: &str, text: &str) -> (Vec<Diagnostic>, Vec<Diagnostic>) {
         self.found.sort_by_key(|(_, place, ..)| (place.span.start, place.span.end));
+        few_of_each_place(&mut self.found);
         let lines = Lines::of(text);
         let mut all: Vec<_> = self
             .found
@@ -70,6 +73,29 @@ impl Report {
         all.dedup();
         all.into_iter().partition(|diagnostic| diagnostic.severity == Severity::Fault)
     }
+}
+
+/// So many diagnostics of one place and kind are told in full.
+const MOST_OF_A_PLACE: usize = 3;
+
+/// Keeps the first few of each place and severity, and says in the last of them how many more there are.
+fn few_of_each_place(found: &mut Vec<(Severity, Place, String, String)>) {
+    let key = |(severity, place, ..): &(Severity, Place, String, String)| {
+        (place.span.start, place.span.end, *severity == Severity::Fault)
+    };
+    let mut counts: BTreeMap<_, usize> = BTreeMap::new();
+    found.dedup();
+    found.iter().for_each(|one| *counts.entry(key(one)).or_default() += 1);
+    let mut told: BTreeMap<_, usize> = BTreeMap::new();
+    found.retain_mut(|one| {
+        let count = counts[&key(one)];
+        let told = told.entry(key(one)).or_default();
+        *told += 1;
+        if *told == MOST_OF_A_PLACE && count > MOST_OF_A_PLACE {
+            one.3 += &format!("; {} more of the same place are not shown", count - MOST_OF_A_PLACE);
+        }
+        *told <= MOST_OF_A_PLACE
+    });
 }
 
 /// Where the lines of a text begin.

@@ -1,0 +1,329 @@
+//! Who stands where, takes from whom, turns how far: everything about a relay but the words.
+
+use std::f64::consts::PI;
+
+use super::acts::{Act, PALMS_APART, Place, REACH, STATURE, WIDTH, act, carry, nearest_turn, turn, walk};
+use super::chance::{Choice, below, signed};
+use super::curve::{Curve, curve};
+use super::disturbers::{Disturber, disturbers};
+use super::{Disturbance, FEWEST_PER_BOX, HEIGHTS, LONGEST_PHASE, Relay, RelayError, counts};
+use crate::geometry::{c64, cis};
+
+/// What a carrier does.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Part {
+    /// Picks the first box up.
+    First,
+    /// Picks a box up, hands it on, walks back, and puts the box before it down.
+    Between(Back),
+    /// Takes a box and hands it on; turns so many degrees in between.
+    Middle(i32),
+    /// Takes the last box and puts it down; turns so many degrees in between.
+    Last(i32),
+}
+
+/// How somebody comes back for the box before.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Back {
+    /// Turns on the spot so many degrees, to face who brings it; not at all where the walk ends so.
+    pub facing: Option<i32>,
+    /// Waits so long, seconds, in halves.
+    pub wait: f64,
+}
+
+/// One who carries.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Carrier {
+    /// What it does.
+    pub part: Part,
+    /// The box it takes or picks up first, from 0.
+    pub load: usize,
+    /// Where its track starts.
+    pub start: Place,
+    /// Where it takes the box, or picks it up.
+    pub take: Place,
+    /// Where it holds the box out, or puts it down.
+    pub give: Place,
+    /// Whether it walks up to take the box, and does not stand there.
+    pub comes: bool,
+    /// Height, metres.
+    pub stature: f64,
+}
+
+/// The clips of a relay that all its tracks share.
+#[derive(Clone, Debug)]
+pub struct Acts {
+    /// Bends and lifts the box.
+    pub pick_up: Act,
+    /// Stands until the box comes.
+    pub wait: Act,
+    /// Comes until the box comes.
+    pub come: Act,
+    /// Takes the box.
+    pub take_over: Act,
+    /// Walks with it.
+    pub carry: Act,
+    /// Holds it out.
+    pub hand_over: Act,
+    /// Puts it down.
+    pub put_down: Act,
+    /// Stands at last.
+    pub rest: Act,
+    /// Turns back without the box.
+    pub about: Act,
+    /// Walks back without the box.
+    pub back: Act,
+}
+
+/// A relay laid out.
+#[derive(Clone, Debug)]
+pub struct Layout {
+    /// Along the curve.
+    pub carriers: Vec<Carrier>,
+    /// Along the curve.
+    pub disturbers: Vec<Disturber>,
+    /// Position of the carrier that picks each box up.
+    pub starters: Vec<usize>,
+    /// When each of them begins, seconds.
+    pub beginnings: Vec<f64>,
+    /// Metres from one hand-over to the next.
+    pub spacing: f64,
+    /// The clips that all share.
+    pub acts: Acts,
+}
+
+/// Hand-overs are so far beside the curve, to the left and to the right in turn, metres: nobody turns right round and walks
+/// into who gave the box.
+const ASIDE: f64 = 0.45;
+
+/// Farthest from the origin that scenes reach, metres, with room for those who come from there.
+const FARTHEST: f64 = 99_900.0;
+
+/// Lays a relay out. Cost: linear in characters, and in the length of the curve.
+///
+/// # Errors
+/// [`RelayError`] where the numbers do not fit.
+pub fn layout(relay: &Relay) -> Result<Layout, RelayError> {
+    let (carriers, disturbing) = counts(relay)?;
+    check(relay, carriers, disturbing)?;
+    let (curve, spacing) = curve(&relay.along, carriers, relay.spacing)?;
+    let acts = acts(spacing);
+    let starters: Vec<usize> = (0..relay.boxes).map(|load| load * carriers / relay.boxes).collect();
+    let mut carriers = chain(relay, (&curve, spacing), (carriers, &starters), &acts);
+    wait_for_boxes(&mut carriers, &acts);
+    let far = carriers.iter().map(|carrier| carrier.give.position.norm()).fold(0.0, f64::max);
+    if far > FARTHEST {
+        return Err(RelayError::TooFar(far));
+    }
+    let disturbers = disturbers(relay, &mut carriers, disturbing, &acts);
+    let late =
+        |load: usize| (0.5 * relay.phase * (1.0 + signed(relay.seed, Choice::Beginning, load))).max(0.0);
+    let beginnings = (0..relay.boxes).map(|load| hundredths(late(load))).collect();
+    Ok(Layout { carriers, disturbers, starters, beginnings, spacing, acts })
+}
+
+/// To two digits, as it is written.
+pub fn hundredths(value: f64) -> f64 {
+    (value * 100.0).round() / 100.0
+}
+
+fn check(relay: &Relay, carriers: usize, disturbers: usize) -> Result<(), RelayError> {
+    let most = (carriers / FEWEST_PER_BOX).max(1);
+    if relay.boxes == 0 || relay.boxes > most {
+        return Err(RelayError::Boxes { boxes: relay.boxes, carriers, most });
+    }
+    let (shortest, tallest) = relay.heights;
+    if !(HEIGHTS.0 <= shortest && shortest <= tallest && tallest <= HEIGHTS.1) {
+        return Err(RelayError::Heights(relay.heights));
+    }
+    if !(0.0..=LONGEST_PHASE).contains(&relay.phase) {
+        return Err(RelayError::Phase(relay.phase));
+    }
+    if disturbers > 0 && relay.disturbances.is_empty() {
+        return Err(RelayError::NoDisturbance);
+    }
+    Ok(())
+}
+
+fn acts(spacing: f64) -> Acts {
+    let way = spacing - 2.0 * REACH - PALMS_APART;
+    let box_for = |seconds: f64| [("seconds", seconds), ("width", WIDTH)];
+    Acts {
+        pick_up: act("pick up", "pick_up", &box_for(2.0), &[]),
+        wait: act("wait", "idle", &[("seconds", 1.0)], &[("patted", 15)]),
+        come: act("come", "walk", &[("start", 1.0), ("stop", 1.0), ("seconds", 2.5)], &[]),
+        take_over: act("take over", "take_over", &box_for(2.0), &[]),
+        carry: carry(way),
+        hand_over: act("hand over", "hand_over", &box_for(2.0), &[]),
+        put_down: act("put down", "put_down", &box_for(2.0), &[]),
+        rest: act("rest", "idle", &[("seconds", 1.0)], &[]),
+        about: act("turn about", "turn", &[("angle", 180.0)], &[]),
+        back: walk(way),
+    }
+}
+
+/// Heights to choose from: up to five, to the centimetre.
+pub fn statures((shortest, tallest): (f64, f64)) -> Vec<f64> {
+    let mut all: Vec<f64> =
+        (0..5).map(|step| hundredths(shortest + (tallest - shortest) * f64::from(step) / 4.0)).collect();
+    all.dedup();
+    all
+}
+
+/// Height of number `index`.
+pub fn stature(relay: &Relay, choice: Choice, index: usize) -> f64 {
+    let all = statures(relay.heights);
+    all[below(all.len(), relay.seed, choice, index)]
+}
+
+/// Where hand-over `n` is, between carriers `n` − 1 and `n`; the first and the last are where boxes start and end.
+fn meeting(curve: &Curve, spacing: f64, n: usize, count: usize) -> c64 {
+    let s = spacing * n as f64;
+    let aside = match n {
+        _ if n == 0 || n == count => 0.0,
+        _ if n % 2 == 1 => ASIDE,
+        _ => -ASIDE,
+    };
+    curve.at(s) + c64::i() * curve.direction(s, 0.25 * spacing) * aside
+}
+
+/// Metres from body to body when these two hold one box.
+pub fn apart(giver: f64, taker: f64) -> f64 {
+    REACH * (giver + taker) / STATURE + PALMS_APART
+}
+
+/// Everybody along the curve: each walks straight from where the box is taken to where it is held out.
+fn chain(
+    relay: &Relay,
+    (curve, spacing): (&Curve, f64),
+    (count, starters): (usize, &[usize]),
+    acts: &Acts,
+) -> Vec<Carrier> {
+    let mut carriers: Vec<Carrier> = Vec::with_capacity(count);
+    let mut load = 0;
+    for n in 0..count {
+        let starts = starters.get(load + usize::from(n > 0)) == Some(&n);
+        load += usize::from(starts && n > 0);
+        let stature = stature(relay, Choice::CarrierHeight, n);
+        let (here, there) = (meeting(curve, spacing, n, count), meeting(curve, spacing, n + 1, count));
+        let before = carriers.last().copied();
+        let take = match before {
+            None => Place { position: here, facing: (there - here).arg() },
+            Some(giver) => {
+                let ahead = cis(giver.give.facing);
+                let position = giver.give.position + ahead * apart(giver.stature, stature);
+                Place { position, facing: giver.give.facing + PI }
+            }
+        };
+        let facing = (there - take.position).arg();
+        let half = 0.5 * apart(stature, stature);
+        let give = Place { position: there - cis(facing) * half, facing };
+        let turned = nearest_turn(facing - take.facing);
+        let part = match before {
+            None => Part::First,
+            Some(_) if starts => Part::Between(Back { facing: back_turn(facing, take.facing), wait: 1.0 }),
+            Some(_) if n + 1 == count => Part::Last(turned),
+            Some(_) => Part::Middle(turned),
+        };
+        let comes =
+            below(3, relay.seed, Choice::Coming, n) == 0 && matches!(part, Part::Middle(_) | Part::Last(_));
+        let start = start(part, (take, give), comes, acts);
+        carriers.push(Carrier { part, load, start, take, give, comes, stature });
+    }
+    carriers
+}
+
+/// Who walked back against `facing` turns so far to look along `taking`.
+fn back_turn(facing: f64, taking: f64) -> Option<i32> {
+    /// Less than this the walk itself takes up, radians.
+    const LITTLE: f64 = 0.26;
+    let angle = crate::geometry::wrap(taking - facing - PI);
+    (angle.abs() > LITTLE).then(|| nearest_turn(angle))
+}
+
+/// Where a track starts.
+fn start(part: Part, (take, give): (Place, Place), comes: bool, acts: &Acts) -> Place {
+    let event = |act: &Act, name: &str| act.clip.clip.events.get(name).map_or(0, |frame| frame.as_usize());
+    if matches!(part, Part::First | Part::Between(_)) {
+        let place = Place { position: take.position, facing: give.facing };
+        return acts.pick_up.start(event(&acts.pick_up, "grasp"), place);
+    }
+    let place = acts.take_over.start(event(&acts.take_over, "grasp"), take);
+    let first = if comes { &acts.come } else { &acts.wait };
+    first.start(first.last(), place)
+}
+
+/// Lets who is back wait until the box before comes, as the clips of all before them last.
+fn wait_for_boxes(carriers: &mut [Carrier], acts: &Acts) {
+    /// From the beginning of a hand-over to its moment, and on to its end: a second each.
+    const HALF: f64 = 1.0;
+    let first = acts.pick_up.seconds() + acts.carry.seconds() + HALF;
+    let mut released = first;
+    for carrier in carriers {
+        match &mut carrier.part {
+            Part::First => {}
+            Part::Middle(turned) | Part::Last(turned) => {
+                released += 2.0 * HALF + turn(*turned, true).seconds() + acts.carry.seconds();
+            }
+            Part::Between(back) => {
+                let turned = back.facing.map_or(0.0, |degrees| turn(degrees, false).seconds());
+                let ready = first + HALF + acts.about.seconds() + acts.back.seconds() + turned;
+                back.wait = (2.0 * (released - HALF - ready)).round().max(2.0) / 2.0;
+                released = first;
+            }
+        }
+    }
+}
+
+/// Whether anybody disturbs so.
+pub fn disturbed(layout: &Layout, how: Disturbance) -> bool {
+    layout.disturbers.iter().any(|disturber| disturber.how == how)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::relay::Along;
+    use crate::relay::tests::spiral;
+
+    #[test]
+    fn givers_and_takers_stand_face_to_face_an_arms_length_apart() {
+        let layout = layout(&spiral()).expect("it fits");
+        for pair in layout.carriers.windows(2) {
+            let (giver, taker) = (&pair[0], &pair[1]);
+            let between = taker.take.position - giver.give.position;
+            assert!((between.norm() - apart(giver.stature, taker.stature)).abs() < 1e-9);
+            assert!((between / between.norm() - cis(giver.give.facing)).norm() < 1e-9);
+            assert!((cis(taker.take.facing) + cis(giver.give.facing)).norm() < 1e-9);
+        }
+    }
+
+    #[test]
+    fn nobody_is_asked_to_go_much_farther_than_the_clip_goes() {
+        for along in [Along::Line, Along::Spiral, Along::Circle] {
+            let layout = layout(&Relay { along, ..spiral() }).expect("it fits");
+            let own = layout.acts.carry.distance();
+            for carrier in &layout.carriers {
+                let asked = (carrier.give.position - carrier.take.position).norm();
+                // A third of it: in the innermost turn chords are shorter than the curve.
+                assert!((asked / own - 1.0).abs() < 0.34, "{asked} of {own}");
+            }
+        }
+    }
+
+    #[test]
+    fn every_box_starts_once_and_ends_with_who_started_the_next() {
+        let layout = layout(&spiral()).expect("it fits");
+        assert_eq!(layout.starters, [0, 5, 10, 15, 20, 25, 30, 35]);
+        for (n, carrier) in layout.carriers.iter().enumerate() {
+            assert_eq!(carrier.load, n / 5);
+            let expected = match n {
+                0 => matches!(carrier.part, Part::First),
+                39 => matches!(carrier.part, Part::Last(_)),
+                _ if n % 5 == 0 => matches!(carrier.part, Part::Between(_)),
+                _ => matches!(carrier.part, Part::Middle(_)),
+            };
+            assert!(expected, "carrier {n}: {:?}", carrier.part);
+        }
+    }
+}

@@ -1,0 +1,218 @@
+//! Boxes, and those who hand them on.
+
+use super::text::{Group, body, degrees, group, point, quoted};
+use crate::geometry::cis;
+use crate::relay::Relay;
+use crate::relay::acts::{GRASP, PALMS_APART, STATURE, turn};
+use crate::relay::layout::{Carrier, Layout, Part, apart};
+
+pub(super) fn boxes(layout: &Layout) -> Group {
+    let rows = layout.starters.iter().zip(&layout.beginnings).enumerate().map(|(load, (by, beginning))| {
+        let carrier = &layout.carriers[*by];
+        let behind = GRASP * carrier.stature / STATURE + 0.5 * PALMS_APART;
+        let position = carrier.take.position + cis(carrier.give.facing) * behind;
+        vec![
+            (load + 1).to_string(),
+            (by + 1).to_string(),
+            point(position),
+            degrees(carrier.give.facing),
+            format!("{:.3}", -behind),
+            format!("{beginning:.2}"),
+        ]
+    });
+    Group {
+        keys: &["n", "by", "position", "facing", "ahead", "begins"],
+        rows: rows.collect(),
+        tables: r#"
+[[group.object]]
+name = "box {n}"
+size = [0.4, 0.3, 0.3]                      # ahead, up, across: room for the hands of two, one behind the other's
+position = "{position}"
+facing = "{facing}"
+
+[[group.relative]]
+name = "carrier {by} before box {n}"
+at = "carrier {by}/pick up:grasp"
+to = "box {n}"
+offset = ["{ahead}", 0.0]
+facing = 0.0
+strength = "hard"
+
+[[group.carry]]
+name = "carrier {by} has box {n}"
+object = "box {n}"
+by = ["carrier {by}"]
+during = ["carrier {by}/pick up:grasp", "carrier {by}/hand over:release"]
+
+[[group.time]]
+name = "box {n} begins"
+at = "carrier {by}:start"
+seconds = "{begins}"
+strength = "hard"
+"#
+            .to_owned(),
+    }
+}
+
+pub(super) fn first(layout: &Layout) -> String {
+    let carrier = &layout.carriers[0];
+    format!(
+        "\n[[character]]\nname = \"carrier 1\"\ntrack = [\"pick up\", \"carry\", \"hand over\", \"rest\"]\n\
+         skeleton = \"{}\"\nposition = {}\nfacing = {}\n",
+        body(carrier.stature),
+        point(carrier.start.position),
+        degrees(carrier.start.facing)
+    )
+}
+
+pub(super) fn middle(relay: &Relay, layout: &Layout) -> Group {
+    let rows = layout.carriers.iter().enumerate().filter_map(|(n, carrier)| match carrier.part {
+        Part::Middle(turned) => Some(taker(n, carrier, turned)),
+        _ => None,
+    });
+    Group { keys: TAKER, rows: rows.collect(), tables: taking(relay) }
+}
+
+const TAKER: &[&str] = &["n", "box", "comes", "turns", "position", "facing", "body"];
+
+fn taker(n: usize, carrier: &Carrier, turned: i32) -> Vec<String> {
+    vec![
+        (n + 1).to_string(),
+        (carrier.load + 1).to_string(),
+        quoted(if carrier.comes { "come" } else { "wait" }),
+        quoted(&turn(turned, true).name),
+        point(carrier.start.position),
+        degrees(carrier.start.facing),
+        quoted(&body(carrier.stature)),
+    ]
+}
+
+const MIDDLE: &str = r#"
+[[group.character]]
+name = "carrier {n}"
+track = ["{comes}", "take over", "{turns}", "carry", "hand over", "rest"]
+skeleton = "{body}"
+position = "{position}"
+facing = "{facing}"
+
+[[group.carry]]
+name = "carrier {n} has box {box}"
+object = "box {box}"
+by = ["carrier {n}"]
+during = ["carrier {n}/take over:grasp", "carrier {n}/hand over:release"]
+"#;
+
+const CHANGES: &str = r#"
+[group.discrete]
+times = [["carrier {n}/carry:start", "carrier {n}/carry:end"]]
+"#;
+
+fn taking(relay: &Relay) -> String {
+    format!("{MIDDLE}{}", if relay.discrete { CHANGES } else { "" })
+}
+
+pub(super) fn between(layout: &Layout) -> Group {
+    let rows = layout.carriers.iter().enumerate().filter_map(|(n, carrier)| {
+        let Part::Between(back) = carrier.part else {
+            return None;
+        };
+        let mut way = vec!["pick up", "carry", "hand over", "turn about", "walk back"];
+        let (turned, wait) =
+            (back.facing.map(|degrees| turn(degrees, false).name), format!("wait {:.1}", back.wait));
+        way.extend(turned.as_deref());
+        way.extend([wait.as_str(), "take over", "put down", "rest"]);
+        let track: Vec<String> = way.into_iter().map(quoted).collect();
+        Some(vec![
+            (n + 1).to_string(),
+            carrier.load.to_string(),
+            point(carrier.start.position),
+            degrees(carrier.start.facing),
+            quoted(&body(carrier.stature)),
+            format!("[{}]", track.join(", ")),
+        ])
+    });
+    Group {
+        keys: &["n", "box", "position", "facing", "body", "track"],
+        rows: rows.collect(),
+        tables: r#"
+[[group.character]]
+name = "carrier {n}"
+track = "{track}"
+skeleton = "{body}"
+position = "{position}"
+facing = "{facing}"
+
+[[group.carry]]
+name = "carrier {n} has box {box}"
+object = "box {box}"
+by = ["carrier {n}"]
+during = ["carrier {n}/take over:grasp", "carrier {n}/put down:release"]
+"#
+        .to_owned(),
+    }
+}
+
+/// After the others in the file: owners of one object stand in the order of time.
+pub(super) fn last(relay: &Relay, layout: &Layout) -> String {
+    let n = layout.carriers.len() - 1;
+    let carrier = &layout.carriers[n];
+    let Part::Last(turned) = carrier.part else {
+        return String::new();
+    };
+    let text = group(&Group { keys: TAKER, rows: vec![taker(n, carrier, turned)], tables: taking(relay) });
+    text.replace("hand over", "put down")
+}
+
+pub(super) fn hand_overs(layout: &Layout) -> Group {
+    let pairs = layout.carriers.windows(2).enumerate();
+    let rows = pairs.map(|(n, pair)| {
+        vec![(n + 1).to_string(), format!("{:.3}", apart(pair[0].stature, pair[1].stature))]
+    });
+    Group {
+        keys: &["n", "apart"],
+        rows: rows.collect(),
+        tables: r#"
+[[group.relative]]
+name = "carrier {n+1} before carrier {n}"
+at = "carrier {n+1}/take over:grasp"
+to = "carrier {n}/hand over:release"
+offset = ["{apart}", 0.0]
+facing = 180.0
+strength = "hard"
+
+[[group.sync]]
+name = "hand-over {n}"
+moments = ["carrier {n+1}/take over:grasp", "carrier {n}/hand over:release"]
+strength = "hard"
+"#
+        .to_owned(),
+    }
+}
+
+pub(super) fn marks(layout: &Layout) -> Group {
+    let givers = layout.carriers[..layout.carriers.len() - 1].iter().enumerate();
+    let rows = givers
+        .filter(|(n, _)| n % 2 == 1)
+        .map(|(n, carrier)| vec![(n + 1).to_string(), point(carrier.give.position)]);
+    Group {
+        keys: &["n", "position"],
+        rows: rows.collect(),
+        tables: r#"
+[[group.pin]]
+name = "mark {n}"
+at = "carrier {n}/hand over:release"
+position = "{position}"
+strength = 1.0
+"#
+        .to_owned(),
+    }
+}
+
+pub(super) fn end(layout: &Layout) -> String {
+    let n = layout.carriers.len();
+    let carrier = &layout.carriers[n - 1];
+    format!(
+        "\n[[pin]]\nname = \"the end\"\nat = \"carrier {n}/put down:release\"\nposition = {}\nstrength = 1.0\n",
+        point(carrier.give.position)
+    )
+}

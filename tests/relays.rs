@@ -1,0 +1,227 @@
+//! Relays: the same arguments give the same file, every curve gives a sound scene whose hand-overs are exact, what does not fit
+//! says so, and groups mean what they would mean written out.
+
+mod home;
+#[path = "relays/written_out.rs"]
+mod written_out;
+
+use std::fs;
+use std::path::Path;
+
+use cotillion::discrete::outcome::Outcome;
+use cotillion::edit::Editor;
+use cotillion::embody::embody;
+use cotillion::export::report::report;
+use cotillion::relay::{self, Along, Disturbance, Relay};
+use cotillion::resample::resample;
+use cotillion::scene::{ClipFolders, Loaded, load_text};
+use home::{Home, cotillion, stderr, stdout, text};
+use proptest::prelude::*;
+use written_out::written_out;
+
+/// Hands, boxes and people meet to this at the moment itself, metres.
+const SPACE: f64 = 1e-3;
+/// Moments that are one agree to this, seconds.
+const TIME: f64 = 1e-9;
+
+fn small() -> Relay {
+    Relay {
+        characters: 12,
+        disturbers: None,
+        boxes: 2,
+        spacing: None,
+        heights: (1.64, 1.86),
+        phase: 0.3,
+        disturbances: Disturbance::ALL.to_vec(),
+        discrete: false,
+        seed: 4,
+        along: Along::Spiral,
+    }
+}
+
+fn written(relay: &Relay) -> String {
+    relay::relay(relay, "a test").expect("the relay fits")
+}
+
+fn load(scene: &str) -> Loaded {
+    load_text(scene, Path::new("relay.toml"), &ClipFolders::default()).expect("a sound scene")
+}
+
+#[test]
+fn the_same_arguments_give_the_same_file_and_another_seed_another() {
+    let small = small();
+    assert_eq!(written(&small), written(&small));
+    assert_ne!(written(&small), written(&Relay { seed: 5, ..small.clone() }));
+    let arguments = ["relay", "-n", "24", "--boxes", "2", "--along", "circle"];
+    let (once, again) = (cotillion(&arguments), cotillion(&arguments));
+    assert!(once.status.success(), "{}", stderr(&once));
+    assert_eq!(once.stdout, again.stdout);
+}
+
+#[test]
+fn the_spiral_of_78_is_what_the_command_in_its_head_writes() {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/relay_78.toml");
+    let file = fs::read_to_string(path).expect("the scene is there");
+    let command =
+        file.lines().find_map(|line| line.strip_prefix("# Written by: cotillion ")).expect("its head says");
+    let arguments: Vec<&str> = command.split(' ').collect();
+    assert_eq!(stdout(&cotillion(&arguments)), file);
+    assert_eq!(arguments[..5], ["relay", "--characters", "78", "--along", "spiral"]);
+}
+
+#[test]
+fn neighbours_keep_what_chance_gave_them_when_others_come() {
+    let (fewer, more) =
+        (written(&small()), written(&Relay { characters: 16, disturbers: Some(4), ..small() }));
+    let bodies = |scene: &str| {
+        let scene = load(scene).scene;
+        let carriers = scene.characters.into_iter().filter(|character| character.name.starts_with("carrier"));
+        let mut all: Vec<(String, Option<String>)> = carriers
+            .map(|carrier| (carrier.name, carrier.performed.into_iter().next().map(|clip| clip.body)))
+            .collect();
+        all.sort();
+        all
+    };
+    let more = bodies(&more);
+    assert!(bodies(&fewer).iter().all(|carrier| more.contains(carrier)));
+}
+
+#[test]
+fn every_curve_gives_a_sound_scene_without_warnings() {
+    let home = Home::with(&written(&small()));
+    fs::write(home.path("bend.csv"), "x,y\n0,0\n24,0\n24,18\n").expect("room");
+    let path = "<path d='M0 0 C9 9 20 -9 30 0 Q35 5 30 9 A9 9 0 0 0 9 9 L0 8'/>";
+    let zig = "<polyline id='zig' points='0,0 9,3 18,0'/>";
+    let svg = |inside: &str| format!("<svg xmlns='http://www.w3.org/2000/svg'>{inside}</svg>");
+    fs::write(home.path("one.svg"), svg(path)).expect("room");
+    fs::write(home.path("two.svg"), svg(&format!("{path}{zig}"))).expect("room");
+    let (csv, svg) = (home.path("bend.csv"), home.path("one.svg"));
+    let named = format!("{}#zig", text(&home.path("two.svg")));
+    for along in ["line", "circle", "spiral", text(&csv), text(&svg), &named] {
+        let scene = home.path("relay.toml");
+        let output = cotillion(&["relay", "-n", "24", "--boxes", "2", "--along", along, "-o", text(&scene)]);
+        assert!(output.status.success(), "{along}: {}", stderr(&output));
+        let checked = cotillion(&["check", text(&scene)]);
+        assert!(checked.status.success() && stderr(&checked).is_empty(), "{along}: {}", stderr(&checked));
+    }
+}
+
+#[test]
+fn what_does_not_fit_says_what_would_and_writes_nothing() {
+    let home = Home::with("");
+    fs::write(home.path("short.csv"), "0,0\n10,0\n").expect("room");
+    fs::write(home.path("bad.csv"), "0,0\n1,zwei\n").expect("room");
+    fs::write(home.path("bad.svg"), "<svg>\n<path d='M0 0 L'/></svg>").expect("room");
+    fs::write(home.path("two.svg"), "<svg><path d='M0 0 9 9'/>\n<path d='M0 0 9 9'/></svg>").expect("room");
+    let [short, bad, drawn, two, odd] =
+        ["short.csv", "bad.csv", "bad.svg", "two.svg", "odd.png"].map(|name| home.path(name));
+    let cases: [(&[&str], &str); 12] = [
+        (&["-n", "1"], "2 to 100000 characters"),
+        (&["-n", "12", "--boxes", "9"], "9 boxes are too many for 6 carriers: at most 2"),
+        (&["-n", "12", "--disturbers", "7"], "7 disturbers leave 5 carriers"),
+        (&["-n", "12", "--spacing", "1"], "outside 3 to 60 m"),
+        (&["-n", "12", "--heights", "tall"], "no range of heights"),
+        (&["-n", "8", "--along", "circle"], "radius of 2.16 m"),
+        (&["-n", "12", "--along", text(&short)], "are 1.667 m apart"),
+        (&["-n", "12", "--along", text(&short), "--spacing", "4"], "need 24.00 m; it holds 2"),
+        (&["-n", "12", "--along", text(&bad)], "bad.csv:2:3: error: \"zwei\" is no number"),
+        (&["-n", "12", "--along", text(&drawn)], "bad.svg:2:1: error: the path cannot be read"),
+        (&["-n", "12", "--along", text(&two)], "two.svg:2:1: error: this is the second curve"),
+        (&["-n", "12", "--along", text(&odd)], "is no curve"),
+    ];
+    for (arguments, message) in cases {
+        let scene = home.path("relay.toml");
+        let output = cotillion(&[&["relay", "-o", text(&scene)], arguments].concat());
+        assert_eq!(output.status.code(), Some(2), "{arguments:?}");
+        assert!(
+            stderr(&output).contains(message) && stderr(&output).contains("help: "),
+            "{}",
+            stderr(&output)
+        );
+        assert!(!scene.exists(), "{arguments:?}");
+    }
+}
+
+#[test]
+fn every_hand_over_is_exact_in_space_and_time() {
+    let Loaded { scene, warnings, .. } = load(&written(&small()));
+    assert!(warnings.is_empty(), "{warnings:?}");
+    let mut editor = Editor::new(scene).expect("a regular scene");
+    editor.solve().expect("the constraints agree");
+    let solved = Outcome::plain(editor.into_parts());
+    let mut motion = resample(&solved.scene, &solved.edit).expect("a short result");
+    let bodies = embody(&solved.scene, &solved.edit, &mut motion);
+    let told = report(&bodies, &solved, &motion);
+    let count = |kind: &str| told.constraints.iter().filter(|one| one.kind == kind).count();
+    assert_eq!(count("carry"), 7, "six carriers, one of them twice");
+    assert!(count("sync") >= 5, "five hand-overs");
+    for one in &told.constraints {
+        let hard = one.kind == "carry" || one.kind == "end_effector" || one.name.contains("before carrier");
+        let limit = if one.kind == "sync" || one.kind == "time" { TIME } else { SPACE };
+        if hard || one.kind == "sync" {
+            assert!(one.residual.abs() <= limit, "{}: {}", one.name, one.residual);
+        }
+    }
+}
+
+#[test]
+fn groups_mean_what_they_would_mean_written_out() {
+    let scene = written(&small());
+    let long = written_out(&scene);
+    assert!(!long.contains("[[group") && long.len() > scene.len());
+    let (short, long) = (Home::with(&scene), Home::with(&long));
+    for home in [&short, &long] {
+        let output = home.run(&["--quiet"]);
+        assert!(output.status.success(), "{}", stderr(&output));
+    }
+    let mut compared = 0;
+    for entry in fs::read_dir(short.path("result")).expect("a result").flatten() {
+        let name = entry.file_name().to_string_lossy().into_owned();
+        // The report tells how long it took.
+        if name != "report.json" {
+            let bytes = |home: &Home| fs::read(home.path("result").join(&name)).expect("both have it");
+            assert!(bytes(&short) == bytes(&long), "{name} differs");
+            compared += 1;
+        }
+    }
+    assert_eq!(compared, 12 + 2, "a motion each, the picture, the whole scene");
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 16, ..ProptestConfig::default() })]
+
+    /// Any arguments end in a sound scene without warnings, or in an error.
+    #[test]
+    fn any_arguments_give_a_sound_scene_or_an_error(
+        (characters, boxes) in (0_usize..26, 0_usize..4),
+        disturbers in prop::option::of(0_usize..14),
+        spacing in prop::option::of(-1.0..9.0_f64),
+        (short, tall) in (1.4..1.9_f64, 1.6..2.1_f64),
+        phase in -0.2..1.2_f64,
+        (seed, curve) in (any::<u64>(), 0_usize..5),
+        how in prop::sample::subsequence(Disturbance::ALL.to_vec(), 0..=3),
+        corners in prop::collection::vec((-30.0..30.0_f64, -30.0..30.0_f64), 0..5),
+        discrete in any::<bool>(),
+    ) {
+        let points = corners.into_iter().map(|(x, y)| cotillion::geometry::c64::new(x, y)).collect();
+        let along = match curve {
+            0 => Along::Line,
+            1 => Along::Circle,
+            2 => Along::Spiral,
+            3 => Along::Points(points),
+            _ => Along::Drawing(points),
+        };
+        let asked = Relay {
+            characters, disturbers, boxes, spacing, heights: (short, tall), phase, disturbances: how, discrete, seed, along,
+        };
+        match relay::relay(&asked, "a test") {
+            Ok(scene) => {
+                let loaded = load_text(&scene, Path::new("relay.toml"), &ClipFolders::default());
+                prop_assert!(loaded.is_ok(), "{}", loaded.expect_err("just seen"));
+                let warnings = loaded.expect("just seen").warnings;
+                prop_assert!(warnings.is_empty(), "{:?}", warnings);
+            }
+            Err(error) => prop_assert!(!error.to_string().is_empty() && !error.help().is_empty()),
+        }
+    }
+}
