@@ -12,10 +12,11 @@ use crate::effector::{EffectorTarget, EndEffector, Orientation};
 use crate::geometry::{log, yaw};
 use crate::index::{CharacterId, JointId};
 use crate::object_motion::{
-    AtRest, ObjectMotion, Owner, Performance, moment_time, object_motions, skeleton_of,
+    AtRest, ObjectMotion, Owner, Performance, moment_time, object_motions, skeleton_of, wrist_at,
 };
 use crate::scene::Scene;
 use crate::skeleton::{JointFrame, JointRole};
+use crate::touch::Hand;
 
 /// Samples this near to a moment are at it, seconds.
 const AT_MOMENT: f64 = 1e-7;
@@ -199,8 +200,8 @@ pub fn effector_residuals<P: Performance>(stage: &Stage<'_, P>, result: &impl Pe
     stage.scene.end_effectors.iter().map(miss).collect()
 }
 
-/// Largest distance of a hand in `result` from where it holds what it carries, for each carry, metres: at both ends, on all
-/// ticks of the scene's clock within, and at all moments within that constrain the same carrier. Cost: linear in samples and joints.
+/// Largest distance of a hand in `result` from where it holds what it carries, or of its nearest point from that, whichever is
+/// more, for each carry, metres: at both ends, on all ticks of the scene's clock within, and at all moments within that constrain the same carrier. Cost: linear in samples and joints.
 pub fn carry_residuals<P: Performance>(stage: &Stage<'_, P>, result: &impl Performance) -> Vec<f64> {
     let mut worst = vec![0.0_f64; stage.scene.carries.len()];
     for (motion, span) in
@@ -212,9 +213,13 @@ pub fn carry_residuals<P: Performance>(stage: &Stage<'_, P>, result: &impl Perfo
         for grip in &hold.grips {
             for time in samples(stage, [span.from, span.to], grip.character) {
                 let pose = motion.pose_at(stage.scene, stage.performance, time);
-                let hand = joint_at((stage.scene, result), grip.character, grip.joint, time);
+                let size = stage.scene.objects[motion.object.as_usize()].size;
+                let frames = joints_at((stage.scene, result), grip.character, time);
+                let wrist = wrist_at(&pose, &frames[grip.joint.as_usize()]);
+                let hand = Hand::of(skeleton_of(stage.scene, grip.character), &frames, grip.joint);
+                let miss = wrist.position.distance(grip.point).max(hand.distance(size, &wrist));
                 let own = &mut worst[hold.carry];
-                *own = own.max(hand.position.distance(pose.apply(grip.point)));
+                *own = own.max(miss);
             }
         }
     }
@@ -260,8 +265,16 @@ fn joint_at(
     joint: JointId,
     time: f64,
 ) -> JointFrame {
+    joints_at((scene, performance), who, time)[joint.as_usize()]
+}
+
+fn joints_at(
+    (scene, performance): (&Scene, &impl Performance),
+    who: CharacterId,
+    time: f64,
+) -> Vec<JointFrame> {
     let pose = performance.pose(who, performance.frame(who, time));
-    skeleton_of(scene, who).forward_kinematics(&pose)[joint.as_usize()]
+    skeleton_of(scene, who).forward_kinematics(&pose)
 }
 
 /// The time of `other` that goes with a time of `when`: at the same share of the frames of an interval.
