@@ -164,3 +164,71 @@ fn bone_to_box(size: [f64; 3], [from, to]: [DVec3; 2]) -> f64 {
     }
     [0.0, 0.5 * (low + high), 1.0].map(distance).into_iter().fold(f64::INFINITY, f64::min)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::clip::builtin::generate;
+    use crate::index::SourceFrame;
+    use proptest::prelude::*;
+
+    /// Where a touch is found to, metres.
+    const TOUCHED: f64 = 2.0 * TOUCHES;
+
+    /// A left hand that hangs with its arm, in the axes of its wrist; the arm; the wrist.
+    fn hanging() -> (Hand, Limb, WristPose) {
+        let clip = generate("idle", &Default::default()).expect("a known clip");
+        let joint = clip.skeleton.joint_of(JointRole::LeftHand).expect("generated bodies have hands");
+        let frames = clip.skeleton.forward_kinematics(&clip.pose(SourceFrame(0)));
+        let JointFrame { position, rotation } = frames[joint.as_usize()];
+        let arm = arm_of(&clip.skeleton, &frames, joint).expect("generated bodies have arms");
+        (Hand::of(&clip.skeleton, &frames, joint), arm, WristPose { position, rotation })
+    }
+
+    proptest! {
+        /// Wherever it hangs beside a box, above or below it.
+        #[test]
+        fn a_hand_touches_whatever_box_it_holds(
+            place in prop::array::uniform3(-1.0..1.0_f64),
+            size in prop::array::uniform3(0.05..0.6_f64),
+            has_arm in any::<bool>(),
+        ) {
+            let (hand, arm, wrist) = hanging();
+            let shift = DVec3::from_array(place) - wrist.position;
+            let wrist = WristPose { position: wrist.position + shift, ..wrist };
+            let arm = Limb { upper: arm.upper + shift, middle: arm.middle + shift, lower: arm.lower + shift };
+            let touching = hand.touching(size, has_arm.then_some(&arm), &wrist);
+            let off = hand.distance(size, &touching);
+            prop_assert!(off < TOUCHED, "{off}");
+            let away = touching.position.distance(nearest(size, touching.position));
+            prop_assert!(away < PALM + 1e-12, "{away}");
+        }
+    }
+
+    #[test]
+    fn a_hand_that_touches_stays_as_it_is() {
+        let (hand, arm, wrist) = hanging();
+        let size = [0.3, 0.2, 0.3];
+        let reaches = hand.tip().length().min(PALM) * 0.9;
+        let points_down = minimal_rotation(wrist.rotation * hand.tip(), DVec3::NEG_Y) * wrist.rotation;
+        let above = WristPose { position: DVec3::new(0.05, 0.2 + reaches, 0.05), rotation: points_down };
+        assert_eq!(hand.touching(size, Some(&arm), &above), above);
+    }
+
+    #[test]
+    fn a_hand_without_bones_is_brought_to_the_box_itself() {
+        let wrist = WristPose { position: DVec3::new(0.7, 0.1, 0.0), rotation: DQuat::IDENTITY };
+        let touching = Hand { bones: vec![[DVec3::ZERO; 2]] }.touching([0.4, 0.2, 0.4], None, &wrist);
+        assert!(touching.position.distance(DVec3::new(0.2, 0.1, 0.0)) < TOUCHED, "{touching:?}");
+    }
+
+    #[test]
+    fn a_bone_that_passes_an_edge_is_nearest_between_its_ends() {
+        let bone = [DVec3::new(0.3, 0.0, -1.0), DVec3::new(-0.7, 2.0, 1.0)].map(|end| end + DVec3::Y);
+        let size = [0.2, 1.0, 0.4];
+        let points = (0..=10_000).map(|k| bone[0].lerp(bone[1], f64::from(k) / 1e4));
+        let sampled = points.map(|point| point.distance(nearest(size, point))).fold(f64::INFINITY, f64::min);
+        let found = bone_to_box(size, bone);
+        assert!(found <= sampled + 1e-12 && sampled - found < 1e-4, "{found} {sampled}");
+    }
+}
