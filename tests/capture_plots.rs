@@ -30,6 +30,9 @@ const CONTINUOUS: f64 = 1e-9;
 const TOUCHING: f64 = 0.01;
 /// Wrists bend no farther than this, degrees: 110 from the line of the forearm.
 const WRIST: f64 = 110.0;
+/// Wrists turn no faster than this on their way to what they hold and back, degrees from one output frame to the next: captured ones
+/// turn by up to 8 here.
+const EASED: f64 = 10.0;
 /// Nobody's body comes down farther than this to reach with feet and hands, metres: strides stay strides.
 const LUNGE: f64 = 0.1;
 /// Half the thickness of a forearm, metres: bones keep so far from obstacles.
@@ -352,6 +355,13 @@ fn hands(played: &Played<'_>) -> Result<(), Failed> {
                 let tips = hand_points(skeleton, &pose, wrist);
                 tips.into_iter().map(|tip| played.object_at(beam, time).local(tip)).collect::<Vec<_>>()
             };
+            let turn = |time: f64| {
+                played.bodies.pose(who, played.bodies.frame(who, time)).rotations[wrist.as_usize()]
+            };
+            let all: Vec<f64> = played.frames(who).collect();
+            let steps = all.windows(2).map(|pair| turn(pair[0]).angle_between(turn(pair[1])).to_degrees());
+            let fastest = steps.fold(0.0, f64::max);
+            ensure(fastest < EASED, || format!("{name}'s wrist turns by {fastest} degrees in a frame"))?;
             let held = tips(played.time("sam/lift:grasp"));
             ensure(held.len() > 4, || "wrists with fingers".to_owned())?;
             for time in &times {
