@@ -92,7 +92,7 @@ pub enum ReadNote {
         /// First frames after the jumps.
         frames: Vec<SourceFrame>,
     },
-    /// A joint turns farther than it can between two frames, and does not come back.
+    /// A joint turns farther than it can between two frames near an end, and does not come back.
     JointJumps {
         /// First frames after the jumps.
         frames: Vec<SourceFrame>,

@@ -16,6 +16,8 @@ const FASTEST_TURN: f64 = 35.0;
 const LEAST_TURN: f64 = 0.35;
 /// A frame is a glitch if the frames around it differ by less than this share of what it departs by.
 const RETURN_SHARE: f64 = 0.5;
+/// A smaller turn of a joint is no jump, however short the frame, radians: 45°. Toes snap by 30° as they leave the ground.
+const LEAST_JOINT_JUMP: f64 = 0.785;
 /// A joint jumps if it turns so many times as far as a frame before and after.
 const JUMP_RATIO: f64 = 5.0;
 /// Where so many frames are glitches, it is the angles or the rate that are wrong, share of all.
@@ -170,25 +172,23 @@ fn leave_out_jumps(clip: &mut Clip, notes: &mut Vec<ReadNote>) {
     }
 }
 
-/// Notes joints that turn farther than they can between two usable frames, and stay there. The frames beyond are used: a joint may
-/// be wrong where the rest of the body is right.
+/// Notes joints with a role (fingers jump in many captures) that turn farther than they can between two usable frames near an
+/// end, and stay there. The frames beyond stay in use: the rest of the body may be right there.
 fn note_joint_jumps(clip: &Clip, notes: &mut Vec<ReadNote>) {
-    let joints = clip.skeleton.joints.len();
-    let limit = LEAST_TURN.max(FASTEST_TURN / clip.fps);
     let (first, last) = (clip.usable.0.as_usize(), clip.usable.1.as_usize());
+    if last - first <= 2 * CUT_OFF {
+        return;
+    }
+    let joints = clip.skeleton.joints.len();
+    let limit = LEAST_JOINT_JUMP.max(FASTEST_TURN / clip.fps);
     let turn = |joint: usize, frame: usize| {
         let at = |frame: usize| clip.rotations[frame * joints + joint];
         log(at(frame - 1).inverse() * at(frame)).length()
     };
     let mut frames: Vec<SourceFrame> = Vec::new();
     let mut farthest = (0, 0.0);
-    for frame in first + 1..=last {
-        for joint in 0..joints {
-            // Most joints hardly turn: one dot product tells.
-            let at = |frame: usize| clip.rotations[frame * joints + joint];
-            if at(frame - 1).dot(at(frame)).abs() > (0.5 * limit).min(3.0).cos() {
-                continue;
-            }
+    for frame in (first + 1..=first + CUT_OFF).chain(last - CUT_OFF + 1..=last) {
+        for joint in (0..joints).filter(|joint| clip.skeleton.joints[*joint].role.is_some()) {
             let own = turn(joint, frame);
             // What moves fast does so for some frames; what departs and comes back is told elsewhere.
             let beside = |frame: usize| (first + 1..=last).contains(&frame).then(|| turn(joint, frame));
