@@ -41,6 +41,7 @@ pub mod effector;
 pub mod path;
 pub mod track;
 pub mod scene;
+pub mod touch;
 pub mod object_motion;
 pub mod ties;
 pub mod edit;

@@ -12,9 +12,11 @@ use crate::clip::working::WORKING_STEP;
 use crate::constraint::Moment;
 use crate::geometry::{plan_of, yaw};
 use crate::index::{CharacterId, JointId, ObjectId, floor_index};
+use crate::limb::Limb;
 use crate::object::{Carry, Course, ObjectPose, hand_overs};
 use crate::scene::Scene;
 use crate::skeleton::{JointFrame, JointRole, Pose, Skeleton};
+use crate::touch::{Hand, WristPose, arm_of};
 
 /// Somebody grasps what somebody else still has: so much is taken for rounding of soft times, and the second has it then,
 /// seconds.
@@ -22,9 +24,6 @@ pub const HAND_OVER: f64 = WORKING_STEP;
 
 /// Hands that come nearer to each other than this, seen from above, tell no heading, metres.
 const LEAST_WIDTH: f64 = 0.05;
-
-/// From the wrist, which is the joint of a hand, to what its palm touches, metres.
-const PALM: f64 = 0.1;
 
 /// Moments this near are one, seconds.
 const SAME_MOMENT: f64 = 1e-9;
@@ -90,14 +89,14 @@ pub struct Hold {
     pub grips: Vec<Grip>,
 }
 
-/// Where a hand holds an object, as at the grasp.
+/// Where a hand holds an object: as at the grasp, or as near to that as it touches.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Grip {
     /// Whose.
     pub character: CharacterId,
     /// The hand.
     pub joint: JointId,
-    /// Of the wrist, in the object's axes, metres; no farther from its surface than the palm reaches.
+    /// Of the wrist, in the object's axes, metres: near enough for the hand to touch it.
     pub point: DVec3,
     /// From the axes of the hand to the object's.
     pub rotation: DQuat,
@@ -145,6 +144,33 @@ pub fn overlap(scene: &Scene, performance: &impl Performance) -> Option<Overlap>
         let released = moment_time(scene, performance, &scene.carries[first].during.1);
         let seconds = released - moment_time(scene, performance, &scene.carries[second].during.0);
         (seconds > HAND_OVER).then_some(Overlap { first, second, seconds })
+    })
+}
+
+/// Two things that somebody carries at the same time.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct TwoLoads {
+    /// Who has only two hands.
+    pub character: CharacterId,
+    /// Both carries, in the order of the file.
+    pub overlap: Overlap,
+}
+
+/// The first carry that asks for the hands of somebody who still carries something else, if any. Cost: quadratic in carries.
+pub fn two_loads(scene: &Scene, performance: &impl Performance) -> Option<TwoLoads> {
+    let carries = &scene.carries;
+    let during = |carry: &Carry| {
+        [&carry.during.0, &carry.during.1].map(|moment| moment_time(scene, performance, moment))
+    };
+    let times: Vec<[f64; 2]> = carries.iter().map(during).collect();
+    let pairs = (0..carries.len()).flat_map(|second| (0..second).map(move |first| (first, second)));
+    let mut different = pairs.filter(|(first, second)| carries[*first].object != carries[*second].object);
+    different.find_map(|(first, second)| {
+        let shared = carries[first].by.iter().find(|who| carries[second].by.contains(who))?;
+        let [[grasp, release], [begins, ends]] = [times[first], times[second]];
+        let seconds = release.min(ends) - grasp.max(begins);
+        let overlap = Overlap { first, second, seconds };
+        (seconds > HAND_OVER).then_some(TwoLoads { character: *shared, overlap })
     })
 }
 
@@ -252,12 +278,9 @@ impl Hold {
             width >= LEAST_WIDTH
         });
         let hands = Hands::at(scene, performance, carry, from);
-        let size = scene.objects[carry.object.as_usize()].size;
-        let grips = hands.grips.iter().map(|(character, joint, frame)| Grip {
-            character: *character,
-            joint: *joint,
-            point: within_reach(size, pose.local(frame.position)),
-            rotation: yaw(pose.facing).inverse() * frame.rotation,
+        let grips = hands.grips.iter().map(|(character, joint, _)| {
+            let body = performance.pose(*character, performance.frame(*character, from));
+            Grip::new((scene, carry), (*character, *joint), &body, &pose)
         });
         let attachment = hands.frame(by_hands).relative(&pose);
         Self { carry: index, attachment, by_hands, grips: grips.collect() }
@@ -273,12 +296,32 @@ impl Hold {
     }
 }
 
-/// The point nearest to `point` from which a palm reaches a box of some size.
-fn within_reach([ahead, up, across]: [f64; 3], point: DVec3) -> DVec3 {
-    let corner = DVec3::new(0.5 * ahead, up, 0.5 * across);
-    let nearest = point.clamp(DVec3::new(-corner.x, 0.0, -corner.z), corner);
-    let away = point - nearest;
-    if away.length() > PALM { nearest + away * (PALM / away.length()) } else { point }
+impl Grip {
+    /// Of a hand of somebody who is as in `body` at the grasp, of an object that is at `pose` then.
+    fn new(
+        (scene, carry): (&Scene, &Carry),
+        (character, joint): (CharacterId, JointId),
+        body: &Pose,
+        pose: &ObjectPose,
+    ) -> Self {
+        let skeleton = skeleton_of(scene, character);
+        let frames = skeleton.forward_kinematics(body);
+        let arm = arm_of(skeleton, &frames, joint).map(|arm| Limb {
+            upper: pose.local(arm.upper),
+            middle: pose.local(arm.middle),
+            lower: pose.local(arm.lower),
+        });
+        let wrist = wrist_at(pose, &frames[joint.as_usize()]);
+        let size = scene.objects[carry.object.as_usize()].size;
+        let WristPose { position, rotation } =
+            Hand::of(skeleton, &frames, joint).touching(size, arm.as_ref(), &wrist);
+        Self { character, joint, point: position, rotation }
+    }
+}
+
+/// A wrist in the axes of an object that is at `pose`.
+pub fn wrist_at(pose: &ObjectPose, wrist: &JointFrame) -> WristPose {
+    WristPose { position: pose.local(wrist.position), rotation: yaw(pose.facing).inverse() * wrist.rotation }
 }
 
 /// The hands of everybody who carries an object, at one instant.

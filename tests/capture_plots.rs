@@ -15,7 +15,7 @@ use cotillion::object::ObjectPose;
 use cotillion::object_motion::{ObjectMotion, Owner, Performance, object_motions, skeleton_of};
 use cotillion::resample::resample;
 use cotillion::scene::{ClipFolders, Scene, load};
-use cotillion::skeleton::JointRole;
+use cotillion::skeleton::{JointFrame, JointRole, Skeleton};
 use fingers::hand_points;
 use glam::DVec3;
 use libtest_mimic::{Arguments, Failed, Trial};
@@ -26,8 +26,15 @@ const SAME_TIME: f64 = 1e-9;
 const TOUCH: f64 = 1e-3;
 /// What it promises of objects that change hands, metres and radians.
 const CONTINUOUS: f64 = 1e-9;
-/// From the wrist to what the palm touches, metres: hands hold what they carry no farther off.
-const PALM: f64 = 0.1;
+/// A hand this near to a box touches it, metres: half a finger.
+const TOUCHING: f64 = 0.01;
+/// Wrists bend no farther than this, degrees: 110 from the line of the forearm.
+const WRIST: f64 = 110.0;
+/// Wrists turn no faster than this on their way to what they hold and back, degrees from one output frame to the next: captured ones
+/// turn by up to 8 here.
+const EASED: f64 = 10.0;
+/// Nobody's body comes down farther than this to reach with feet and hands, metres: strides stay strides.
+const LUNGE: f64 = 0.1;
 /// Half the thickness of a forearm, metres: bones keep so far from obstacles.
 const FLESH: f64 = 0.04;
 /// Bones of people who only pass keep so far apart, metres: twice the flesh, and some air.
@@ -131,6 +138,36 @@ impl Played<'_> {
         joints.into_iter().chain(middles).collect()
     }
 
+    /// Distance from a box to the nearest point of a hand: of its bones, from the wrist to all finger tips.
+    fn from_hand(
+        &self,
+        (who, hand): (CharacterId, JointRole),
+        (object, size): (ObjectId, [f64; 3]),
+        time: f64,
+    ) -> f64 {
+        let skeleton = skeleton_of(self.scene, who);
+        let pose = self.bodies.pose(who, self.bodies.frame(who, time));
+        let frames = skeleton.forward_kinematics(&pose);
+        let wrist = skeleton.joint_of(hand).expect("captured bodies have all roles");
+        let at = self.object_at(object, time);
+        let bones = hand_bones(skeleton, &frames, wrist);
+        let points = bones
+            .iter()
+            .flat_map(|[from, to]| (0..=STEPS).map(|k| from.lerp(*to, f64::from(k) / f64::from(STEPS))));
+        points.map(|point| outside(size, at.local(point))).fold(f64::INFINITY, f64::min)
+    }
+
+    /// Angle of a hand, as far as it is one bone, from the line of its forearm, degrees.
+    fn wrist_bend(&self, (who, hand): (CharacterId, JointRole), time: f64) -> f64 {
+        let skeleton = skeleton_of(self.scene, who);
+        let elbow = if hand == JointRole::LeftHand { JointRole::LeftElbow } else { JointRole::RightElbow };
+        let [elbow, wrist] = [elbow, hand].map(|role| self.role(who, role, time));
+        let joint = skeleton.joint_of(hand).expect("captured bodies have all roles");
+        let next =
+            skeleton.joints.iter().position(|one| one.parent == Some(joint)).expect("hands have bones");
+        (wrist - elbow).angle_between(self.joints(who, time)[next] - wrist).to_degrees()
+    }
+
     fn object_at(&self, object: ObjectId, time: f64) -> ObjectPose {
         self.objects[object.as_usize()].pose_at(self.scene, &self.bodies.moved, time)
     }
@@ -148,6 +185,26 @@ impl Played<'_> {
         let between = self.frames(self.who("sam")).filter(|time| (ends[0]..=ends[1]).contains(time));
         between.chain(ends).collect()
     }
+}
+
+/// Points looked at along a bone of a hand.
+const STEPS: u32 = 40;
+
+/// Both ends of every bone of a hand in the world.
+fn hand_bones(skeleton: &Skeleton, frames: &[JointFrame], wrist: JointId) -> Vec<[DVec3; 2]> {
+    let mut own = vec![wrist];
+    let mut bones = Vec::new();
+    for (index, joint) in skeleton.joints.iter().enumerate() {
+        let (id, frame) = (JointId::from_usize(index), frames[index]);
+        if let Some(parent) = joint.parent.filter(|parent| own.contains(parent)) {
+            own.push(id);
+            bones.push([frames[parent.as_usize()].position, frame.position]);
+        }
+        if let Some(end) = joint.end_site.filter(|_| own.contains(&id)) {
+            bones.push([frame.position, frame.position + frame.rotation * end]);
+        }
+    }
+    bones
 }
 
 fn order(played: &Played<'_>) -> Result<(), Failed> {
@@ -265,6 +322,9 @@ fn sound(played: &Played<'_>) -> Result<(), Failed> {
         ensure(edited <= rest + SPEED_ROUNDING, || {
             format!("{name}'s feet slide {edited} m/s, captured {rest} m/s")
         })?;
+        ensure(body.report.root_drop < LUNGE, || {
+            format!("{name} comes down by {} m", body.report.root_drop)
+        })?;
         ensure(body.report.shortfalls.is_empty(), || format!("{name}: {:?}", body.report.shortfalls))?;
     }
     let short = played.report.constraints.iter().find(|constraint| constraint.shortfall.is_some());
@@ -280,8 +340,14 @@ fn hands(played: &Played<'_>) -> Result<(), Failed> {
             let who = played.who(name);
             let on_beam = |time: f64| played.object_at(beam, time).local(played.role(who, hand, time));
             let held = on_beam(played.time("sam/lift:grasp"));
-            let off = outside(size, held);
-            ensure(off < PALM + TOUCH, || format!("{name} grasps {off} m from the beam"))?;
+            for time in &times {
+                let slip = on_beam(*time).distance(held);
+                ensure(slip < TOUCH, || format!("{name}'s wrist slips by {slip} m at {time} s"))?;
+                let off = played.from_hand((who, hand), (beam, size), *time);
+                ensure(off < TOUCHING, || format!("{name}'s hand is {off} m from the beam at {time} s"))?;
+                let bend = played.wrist_bend((who, hand), *time);
+                ensure(bend < WRIST, || format!("{name}'s wrist is bent by {bend} degrees at {time} s"))?;
+            }
             let skeleton = skeleton_of(played.scene, who);
             let wrist = skeleton.joint_of(hand).ok_or("no hand")?;
             let tips = |time: f64| {
@@ -289,6 +355,13 @@ fn hands(played: &Played<'_>) -> Result<(), Failed> {
                 let tips = hand_points(skeleton, &pose, wrist);
                 tips.into_iter().map(|tip| played.object_at(beam, time).local(tip)).collect::<Vec<_>>()
             };
+            let turn = |time: f64| {
+                played.bodies.pose(who, played.bodies.frame(who, time)).rotations[wrist.as_usize()]
+            };
+            let all: Vec<f64> = played.frames(who).collect();
+            let steps = all.windows(2).map(|pair| turn(pair[0]).angle_between(turn(pair[1])).to_degrees());
+            let fastest = steps.fold(0.0, f64::max);
+            ensure(fastest < EASED, || format!("{name}'s wrist turns by {fastest} degrees in a frame"))?;
             let held = tips(played.time("sam/lift:grasp"));
             ensure(held.len() > 4, || "wrists with fingers".to_owned())?;
             for time in &times {

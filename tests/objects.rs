@@ -363,6 +363,40 @@ fn carries_that_overlap_in_time_are_named() {
 }
 
 #[test]
+fn who_carries_a_box_cannot_help_with_another_meanwhile() {
+    let text = format!(
+        "{RELAY}
+[[object]]
+name = \"cup\"
+size = [0.1, 0.1, 0.1]
+position = [6.0, 4.0]
+[[carry]]
+name = \"third\"
+object = \"cup\"
+by = [\"ann\", \"bob\"]
+during = [\"bob/walk:20\", \"bob/walk:100\"]
+"
+    );
+    // Only times tell: ann has the box by her own moments, the cup by those of bob.
+    let mut editor = Editor::new(load(&text).scene).expect("a regular scene");
+    let before = editor.edit().clone();
+    let error = editor.solve().expect_err("ann has two hands");
+    match &error {
+        EditError::HandsTaken { character, first, second, seconds } => {
+            let names = [character, &first.name, &second.name].map(String::as_str);
+            assert_eq!(names, ["ann", "first", "third"]);
+            assert!(*seconds > 1.0 && second.line > first.line, "{error}");
+        }
+        other => panic!("{other}"),
+    }
+    assert_eq!(*editor.edit(), before, "the result of before stays");
+    let alone = text.replace("by = [\"ann\", \"bob\"]", "by = [\"bob\"]");
+    assert_ne!(alone, text);
+    let (scene, edit) = solved(&alone);
+    assert_sound(&scene, &edit);
+}
+
+#[test]
 fn nobody_is_held_relative_to_their_own_load() {
     let text = format!(
         "{RELAY}\n[[relative]]\nname = \"odd\"\nat = \"ann/carry:start\"\nto = \"box\"\noffset = [-1.0, 0.0]\n"

@@ -1,5 +1,6 @@
 //! Every scene of `scenes/` runs with its drags, and what it says holds: hard constraints to 1e-9, synchronised moments to 1e-9 s,
-//! finite poses, feet that slide no more than captured, the same bytes twice, the same answer by both backends. Scenes on real
+//! finite poses, feet that slide no more than captured, hands on what they carry and
+//! apart from each other where it is handed over, nobody who lunges, the same bytes twice, the same answer by both backends. Scenes on real
 //! capture are reported as skipped where there is none.
 
 mod agree;
@@ -11,19 +12,33 @@ use std::path::{Path, PathBuf};
 use cotillion::constraint::{ConstraintKind, Strength};
 use cotillion::discrete::outcome::Outcome;
 use cotillion::edit::Editor;
-use cotillion::embody::embody;
+use cotillion::embody::{Embodied, embody};
 use cotillion::export::bvh::BvhOptions;
 use cotillion::export::report::{RestEdited, report};
 use cotillion::export::scene::scene_files;
+use cotillion::index::{CharacterId, JointId};
+use cotillion::object::hand_overs;
+use cotillion::object_motion::{Performance, moment_time, object_motions, skeleton_of};
+use cotillion::reach::{REACHED, Stage, carry_residuals};
 use cotillion::resample::resample;
 use cotillion::residual::residuals;
 use cotillion::scene::{ClipFolders, Loaded, Scene, load};
+use cotillion::skeleton::JointRole;
+use glam::DVec3;
 use libtest_mimic::{Arguments, Failed, Trial};
 
 /// Hard constraints hold to this, metres, radians, seconds.
 const HARD: f64 = 1e-9;
 /// Mean speeds of feet compare to this, m/s: soft constraints are solved to 1e-7 m.
 const SLIDE: f64 = 1e-7;
+/// Bones of hands that hold one thing keep so far apart, metres: a hand is three centimetres thick.
+const HANDS_APART: f64 = 0.05;
+/// So long before and after a hand-over, seconds.
+const ABOUT: f64 = 0.3;
+/// Points looked at along a bone of a hand.
+const STEPS: u32 = 8;
+/// Nobody comes down farther than this to reach with hands and feet, metres: strides stay strides.
+const LUNGE: f64 = 0.1;
 
 fn main() {
     let mut arguments = Arguments::from_args();
@@ -121,7 +136,12 @@ fn edited(scene: &Scene) -> Result<Vec<(String, Vec<u8>)>, Failed> {
     }
     let mut resampled = resample(scene, edit).map_err(|error| error.to_string())?;
     let embodied = embody(scene, edit, &mut resampled);
+    hands_hold(scene, &embodied)?;
     for told in report(&embodied, &outcome, &resampled).characters {
+        let drop = told.full_body.as_ref().map_or(0.0, |body| body.root_drop);
+        if drop > LUNGE {
+            return Err(format!("{} comes down by {drop} m", told.name).into());
+        }
         let RestEdited { rest, edited } = told.foot_slide;
         // What drifts as captured does so faster where time is pressed together.
         let allowed = rest / told.time_step.min.min(1.0) + SLIDE;
@@ -143,4 +163,58 @@ fn edited(scene: &Scene) -> Result<Vec<(String, Vec<u8>)>, Failed> {
         .into_iter()
         .map(|file| (file.name, file.bytes))
         .collect())
+}
+
+/// Hands are where they hold what they carry, and touch it; those of who hands over and of who takes over do not touch.
+fn hands_hold(scene: &Scene, embodied: &Embodied<'_>) -> Result<(), Failed> {
+    let objects = object_motions(scene, &embodied.moved);
+    let stage = Stage { scene, performance: &embodied.moved, objects: &objects };
+    for (carry, miss) in scene.carries.iter().zip(carry_residuals(&stage, embodied)) {
+        if miss > REACHED {
+            return Err(format!("hands are {miss} m from where \"{}\" holds", carry.name).into());
+        }
+    }
+    for (first, second) in hand_overs(&scene.carries) {
+        let (first, second) = (&scene.carries[first], &scene.carries[second]);
+        let [released, grasped] =
+            [&first.during.1, &second.during.0].map(|moment| moment_time(scene, embodied, moment));
+        let pairs = first.by.iter().flat_map(|giver| second.by.iter().map(move |taker| [*giver, *taker]));
+        for pair in pairs.filter(|[giver, taker]| giver != taker && grasped - released < ABOUT) {
+            let times = (-10..=10).map(|k| grasped + ABOUT * f64::from(k) / 10.0);
+            let nearest = |time| nearest(pair.map(|who| hand_points((scene, embodied), who, time)));
+            let off = times.map(nearest).fold(f64::INFINITY, f64::min);
+            if off < HANDS_APART {
+                return Err(format!("hands are {off} m apart where \"{}\" begins", second.name).into());
+            }
+        }
+    }
+    Ok(())
+}
+
+fn nearest([some, others]: [Vec<DVec3>; 2]) -> f64 {
+    let to_others =
+        |point: &DVec3| others.iter().map(|other| point.distance(*other)).fold(f64::INFINITY, f64::min);
+    some.iter().map(to_others).fold(f64::INFINITY, f64::min)
+}
+
+/// Points along all bones of both hands of somebody.
+fn hand_points((scene, embodied): (&Scene, &Embodied<'_>), who: CharacterId, time: f64) -> Vec<DVec3> {
+    let skeleton = skeleton_of(scene, who);
+    let frames = skeleton.forward_kinematics(&embodied.pose(who, embodied.frame(who, time)));
+    let hands = [JointRole::LeftHand, JointRole::RightHand].map(|hand| skeleton.joint_of(hand));
+    let mut of_hand = vec![false; frames.len()];
+    let mut bones = Vec::new();
+    for (index, joint) in skeleton.joints.iter().enumerate() {
+        let (id, frame) = (JointId::from_usize(index), frames[index]);
+        let parent = joint.parent.map(JointId::as_usize).filter(|parent| of_hand[*parent]);
+        of_hand[index] = parent.is_some() || hands.contains(&Some(id));
+        bones.extend(parent.map(|parent| [frames[parent].position, frame.position]));
+        let end = joint.end_site.filter(|_| of_hand[index]);
+        bones.extend(end.map(|end| [frame.position, frame.position + frame.rotation * end]));
+    }
+    let along = |[from, to]: &[DVec3; 2]| {
+        let (from, to) = (*from, *to);
+        (0..=STEPS).map(move |k| from.lerp(to, f64::from(k) / f64::from(STEPS)))
+    };
+    bones.iter().flat_map(along).collect()
 }

@@ -160,6 +160,10 @@ fn unsatisfiable(scene: &Path, text: &str, error: &EditError) -> Vec<Diagnostic>
             std::slice::from_ref(second),
             "add a [[sync]] of its first moment with the release before, or a [[time]] for either",
         ),
+        EditError::HandsTaken { second, .. } => (
+            std::slice::from_ref(second),
+            "add a [[sync]] with an offset, so that one is released before the other is grasped, or a [[time]] for either",
+        ),
         EditError::OwnLoad { constraint, .. } => (
             std::slice::from_ref(constraint),
             "hold the place before the grasp or after the release, or relative to something else",

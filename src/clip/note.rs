@@ -92,6 +92,15 @@ pub enum ReadNote {
         /// First frames after the jumps.
         frames: Vec<SourceFrame>,
     },
+    /// A joint turns farther than it can between two frames near an end, and does not come back.
+    JointJumps {
+        /// First frames after the jumps.
+        frames: Vec<SourceFrame>,
+        /// Name of the joint that turns farthest.
+        joint: String,
+        /// How far, radians.
+        turn: f64,
+    },
     /// The file does not state its rate; that of most captures in its format was taken.
     RateAssumed {
         /// Frames per second.
@@ -131,12 +140,14 @@ impl ReadNote {
         matches!(self, Self::RestPoseLeftOut { .. } | Self::FirstFrameJumps | Self::JumpLeftOut { .. })
     }
 
-    /// Whether it tells of single frames, all of them outside `first..=last`.
+    /// Whether it tells of single frames, all of them outside `first..=last`, or of jumps that no two frames of these have between
+    /// them.
     pub fn is_outside(&self, first: SourceFrame, last: SourceFrame) -> bool {
-        let (Self::ValuesFilledIn { frames }
-        | Self::Glitches { frames }
-        | Self::GlitchesRepaired { frames }
-        | Self::Jumps { frames }) = self
+        if let Self::Jumps { frames } | Self::JointJumps { frames, .. } = self {
+            return frames.iter().all(|frame| *frame <= first || *frame > last);
+        }
+        let (Self::ValuesFilledIn { frames } | Self::Glitches { frames } | Self::GlitchesRepaired { frames }) =
+            self
         else {
             return false;
         };
@@ -224,6 +235,13 @@ impl ReadNote {
                 "the body jumps farther than it can: before {}; give `frames` to leave it out",
                 frame_list(frames)
             ),
+            Self::JointJumps { frames, joint, turn } => write!(
+                f,
+                "a joint (`{joint}` by {:.0}°) turns farther than it can and does not come back: before {}; give `frames` to leave it \
+                 out",
+                turn.to_degrees(),
+                frame_list(frames)
+            ),
             Self::RotationsScaled { frames, length } => write!(
                 f,
                 "quaternions of length {length:.2} instead of 1 were scaled: {}; the motion was edited by hand there",
@@ -291,6 +309,9 @@ mod tests {
         let note = ReadNote::Glitches { frames: vec![two, nine] };
         assert!(note.is_outside(SourceFrame(3), SourceFrame(8)));
         assert!(!note.is_outside(SourceFrame(3), nine) && !note.is_outside(two, SourceFrame(8)));
+        let jumps = ReadNote::Jumps { frames: vec![two, nine] };
+        assert!(jumps.is_outside(two, SourceFrame(8)) && !jumps.is_outside(SourceFrame(1), SourceFrame(8)));
+        assert!(!jumps.is_outside(two, nine));
         assert!(!ReadNote::UnitUnknown.is_outside(SourceFrame(3), SourceFrame(8)));
     }
 }

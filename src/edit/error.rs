@@ -79,6 +79,18 @@ pub enum EditError {
         /// By how much.
         seconds: f64,
     },
+    /// Somebody grasps an object while they carry another.
+    #[error("{first} and {second} overlap by {seconds:.6} s: {character} carries one thing at a time")]
+    HandsTaken {
+        /// Whose hands.
+        character: String,
+        /// The carry that comes first in the scene.
+        first: Named,
+        /// The other.
+        second: Named,
+        /// By how much.
+        seconds: f64,
+    },
     /// A place relative to an object that whoever is to be there carries just then.
     #[error("{constraint} holds somebody relative to what they carry just then, by {carry}")]
     OwnLoad {

@@ -1,9 +1,10 @@
 //! By how much a motion misses what joints must reach.
 
-use super::{Miss, Reach, Stage, at_rest, constrained_times, ends, joint_at};
+use super::{Miss, Reach, Stage, at_rest, constrained_times, ends, joint_at, joints_at};
 use crate::geometry::log;
 use crate::index::CharacterId;
-use crate::object_motion::{AtRest, Owner, Performance};
+use crate::object_motion::{AtRest, Owner, Performance, skeleton_of, wrist_at};
+use crate::touch::Hand;
 
 /// By how much the joint of the end effector at `index` in `result` misses what it reaches: over an interval at both ends, on all
 /// ticks of the scene's clock within, and at all moments within that constrain the same character. Cost: linear in samples
@@ -35,8 +36,8 @@ pub fn effector_residuals<P: Performance>(stage: &Stage<'_, P>, result: &impl Pe
     (0..stage.scene.end_effectors.len()).map(|index| effector_residual(stage, result, index)).collect()
 }
 
-/// Largest distance of a hand of `who` in `result` from where it holds what it carries, for each carry that it has a part in,
-/// metres: at both ends, on all ticks of the scene's clock within, and at all moments within that constrain the same carrier.
+/// Largest distance of a hand of `who` in `result` from where it holds what it carries, or of its nearest point from that, whichever is
+/// more, for each carry that it has a part in, metres: at both ends, on all ticks of the scene's clock within, and at all moments within that constrain the same carrier.
 /// Cost: linear in samples and joints.
 pub fn carry_residuals_of<P: Performance>(
     stage: &Stage<'_, P>,
@@ -54,12 +55,15 @@ pub fn carry_residuals_of<P: Performance>(
             if own.is_empty() {
                 continue;
             }
+            let size = stage.scene.objects[object.as_usize()].size;
             let mut worst = 0.0_f64;
             for time in samples(stage, [span.from, span.to], who) {
                 let pose = motion.pose_at(stage.scene, stage.performance, time);
+                let frames = joints_at((stage.scene, result), who, time);
                 for grip in &own {
-                    let hand = joint_at((stage.scene, result), who, grip.joint, time);
-                    worst = worst.max(hand.position.distance(pose.apply(grip.point)));
+                    let wrist = wrist_at(&pose, &frames[grip.joint.as_usize()]);
+                    let hand = Hand::of(skeleton_of(stage.scene, who), &frames, grip.joint);
+                    worst = worst.max(wrist.position.distance(grip.point).max(hand.distance(size, &wrist)));
                 }
             }
             found.push((hold.carry, worst));

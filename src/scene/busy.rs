@@ -1,4 +1,4 @@
-//! What hands and feet have to do, once tracks tell when: hands asked for twice at a time, and bodies that nothing brings near
+//! What hands and feet have to do, once tracks tell when: hands asked for twice at a time, by carries too, and bodies that nothing brings near
 //! what they reach or grasp.
 
 use std::collections::BTreeMap;
@@ -55,7 +55,10 @@ impl Performers<'_> {
     /// Whether a carry goes on while something else is asked of who names its moments (true), or only begins or ends just
     /// then (false).
     fn meanwhile(&self, carry: &Carry, when: &When) -> Option<bool> {
-        let (who, first, last) = self.stretch(when)?;
+        self.goes_on_at(carry, self.stretch(when)?)
+    }
+
+    fn goes_on_at(&self, carry: &Carry, (who, first, last): Stretch) -> Option<bool> {
         let (grasp, release) = (self.frame(&carry.during.0)?, self.frame(&carry.during.1)?);
         let meets = first <= release + SAME_MOMENT && last >= grasp - SAME_MOMENT;
         let within = first < release - SAME_MOMENT && last > grasp + SAME_MOMENT;
@@ -89,6 +92,33 @@ pub fn check_hands(checked: &Checked, performers: &Performers<'_>, report: &mut 
                 Some(false) => {
                     let asks = asks(effector, carry, performers);
                     let message = format!("{asks} just when \"{}\" grasps or lets go", carry.name);
+                    report.warn(place, message, "leave some frames between the two");
+                }
+                None => {}
+            }
+        }
+    }
+}
+
+/// Reports carries of two things that ask for the hands of one person at the same time, as far as moments of that person tell.
+pub fn check_loads(checked: &Checked, performers: &Performers<'_>, report: &mut Report) {
+    for (index, (carry, place)) in checked.carries.iter().zip(&checked.carry_places).enumerate() {
+        let who = carry.during.0.character;
+        let [first, last] = [&carry.during.0, &carry.during.1].map(|moment| performers.frame(moment));
+        let (Some(first), Some(last)) = (first, last) else {
+            continue;
+        };
+        for other in checked.carries[..index].iter().filter(|other| other.object != carry.object) {
+            let asks = || {
+                let (own, hands) = (&carry.name, performers.name(who));
+                format!("\"{own}\" asks for the hands of \"{hands}\"")
+            };
+            match performers.goes_on_at(other, (who, first, last)) {
+                Some(true) => {
+                    report.fault(place, format!("{}, which \"{}\" has", asks(), other.name), free(other));
+                }
+                Some(false) => {
+                    let message = format!("{} just when \"{}\" grasps or lets go", asks(), other.name);
                     report.warn(place, message, "leave some frames between the two");
                 }
                 None => {}

@@ -208,6 +208,7 @@ fn characters(
     check_intervals(checked, cast, &tracks, report);
     let performers = Performers { cast, tracks: &tracks };
     busy::check_hands(checked, &performers, report);
+    busy::check_loads(checked, &performers, report);
     busy::warn_of_lonely(checked, objects, &performers, report);
     cast.iter()
         .zip(tracks)

@@ -1,4 +1,4 @@
-//! Frames that cannot be motion: single frames that depart and come back, and jumps of the whole body.
+//! Frames that cannot be motion: single frames that depart and come back, and jumps of a joint or of the whole body.
 
 use crate::clip::Clip;
 use crate::clip::note::ReadNote;
@@ -16,6 +16,10 @@ const FASTEST_TURN: f64 = 35.0;
 const LEAST_TURN: f64 = 0.35;
 /// A frame is a glitch if the frames around it differ by less than this share of what it departs by.
 const RETURN_SHARE: f64 = 0.5;
+/// A smaller turn of a joint is no jump, however short the frame, radians: 45°. Toes snap by 30° as they leave the ground.
+const LEAST_JOINT_JUMP: f64 = 0.785;
+/// A joint jumps if it turns so many times as far as a frame before and after.
+const JUMP_RATIO: f64 = 5.0;
 /// Where so many frames are glitches, it is the angles or the rate that are wrong, share of all.
 const SICK_SHARE: f64 = 0.05;
 /// A jump so near to an end of the file cuts off what lies beyond it, frames; and so many must be left.
@@ -46,9 +50,10 @@ pub(super) fn examine(clip: &mut Clip, repair: bool, notes: &mut Vec<ReadNote>) 
         note(frames, notes, |frames| ReadNote::Glitches { frames });
     }
     leave_out_jumps(clip, notes);
+    note_joint_jumps(clip, notes);
 }
 
-fn note(frames: Vec<SourceFrame>, notes: &mut Vec<ReadNote>, of: impl Fn(Vec<SourceFrame>) -> ReadNote) {
+fn note(frames: Vec<SourceFrame>, notes: &mut Vec<ReadNote>, of: impl FnOnce(Vec<SourceFrame>) -> ReadNote) {
     if !frames.is_empty() {
         notes.push(of(frames));
     }
@@ -167,12 +172,45 @@ fn leave_out_jumps(clip: &mut Clip, notes: &mut Vec<ReadNote>) {
     }
 }
 
+/// Notes joints with a role (fingers jump in many captures) that turn farther than they can between two usable frames near an
+/// end, and stay there. The frames beyond stay in use: the rest of the body may be right there.
+fn note_joint_jumps(clip: &Clip, notes: &mut Vec<ReadNote>) {
+    let (first, last) = (clip.usable.0.as_usize(), clip.usable.1.as_usize());
+    if last - first <= 2 * CUT_OFF {
+        return;
+    }
+    let joints = clip.skeleton.joints.len();
+    let limit = LEAST_JOINT_JUMP.max(FASTEST_TURN / clip.fps);
+    let turn = |joint: usize, frame: usize| {
+        let at = |frame: usize| clip.rotations[frame * joints + joint];
+        log(at(frame - 1).inverse() * at(frame)).length()
+    };
+    let mut frames: Vec<SourceFrame> = Vec::new();
+    let mut farthest = (0, 0.0);
+    for frame in (first + 1..=first + CUT_OFF).chain(last - CUT_OFF + 1..=last) {
+        for joint in (0..joints).filter(|joint| clip.skeleton.joints[*joint].role.is_some()) {
+            let own = turn(joint, frame);
+            // What moves fast does so for some frames; what departs and comes back is told elsewhere.
+            let beside = |frame: usize| (first + 1..=last).contains(&frame).then(|| turn(joint, frame));
+            let fastest = [beside(frame - 1), beside(frame + 1)].into_iter().flatten().fold(0.0, f64::max);
+            if own > limit && own > JUMP_RATIO * fastest {
+                frames.push(SourceFrame::from_usize(frame));
+                farthest = if own > farthest.1 { (joint, own) } else { farthest };
+            }
+        }
+    }
+    frames.dedup();
+    let joint = clip.skeleton.joints[farthest.0].name.clone();
+    note(frames, notes, |frames| ReadNote::JointJumps { frames, joint, turn: farthest.1 });
+}
+
 #[cfg(test)]
 mod tests {
     use glam::{DQuat, DVec3};
 
     use super::*;
     use crate::clip::builtin::generate;
+    use crate::skeleton::JointRole;
     use std::collections::BTreeMap;
 
     fn walk() -> Clip {
@@ -249,6 +287,23 @@ mod tests {
         let (clip, notes) = examined(clip, true);
         assert_eq!(clip.usable.0, SourceFrame(4));
         assert!(matches!(notes[..], [ReadNote::JumpLeftOut { frame: SourceFrame(4), .. }]));
+    }
+
+    #[test]
+    fn an_arm_that_is_elsewhere_in_the_first_frames_is_named() {
+        let mut clip = walk();
+        let joints = clip.skeleton.joints.len();
+        let arm = clip.skeleton.joint_of(JointRole::LeftShoulder).expect("generated bodies have arms");
+        for frame in 0..2 {
+            clip.rotations[frame * joints + arm.as_usize()] = DQuat::IDENTITY;
+        }
+        let before = clip.clone();
+        let (after, notes) = examined(clip, false);
+        let name = &after.skeleton.joints[arm.as_usize()].name;
+        let [ReadNote::JointJumps { frames, joint, turn }] = &notes[..] else { panic!("{notes:?}") };
+        assert_eq!((&frames[..], joint), (&[SourceFrame(2)][..], name));
+        assert!(*turn > FASTEST_TURN / after.fps, "{turn}");
+        assert_eq!(after, before, "it is told, and every frame stays in use");
     }
 
     #[test]

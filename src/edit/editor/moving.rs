@@ -10,7 +10,7 @@ use crate::edit::hold::Hold;
 use crate::edit::mixing::Mixer;
 use crate::edit::moved::Moved;
 use crate::index::ConstraintId;
-use crate::object_motion::{Overlap, object_motions, overlap};
+use crate::object_motion::{Overlap, TwoLoads, object_motions, overlap, two_loads};
 use crate::path::RestPath;
 use crate::scene::Scene;
 
@@ -30,6 +30,12 @@ impl Editor {
         if let Some(Overlap { first, second, seconds }) = overlap(&self.scene, &moved) {
             let [first, second] = [first, second].map(|carry| carry_named(&self.scene, carry));
             return Err(EditError::CarriesOverlap { first, second, seconds });
+        }
+        if let Some(TwoLoads { character, overlap }) = two_loads(&self.scene, &moved) {
+            let [first, second] =
+                [overlap.first, overlap.second].map(|carry| carry_named(&self.scene, carry));
+            let character = self.scene.characters[character.as_usize()].name.clone();
+            return Err(EditError::HandsTaken { character, first, second, seconds: overlap.seconds });
         }
         if self.following.is_empty() {
             return self.solve_space();
