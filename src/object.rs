@@ -1,5 +1,7 @@
 //! Things in a scene: how big they are, where they are by themselves, and who carries them when.
 
+use std::collections::BTreeMap;
+
 use glam::DVec3;
 
 use crate::constraint::Moment;
@@ -119,12 +121,10 @@ impl Course {
     }
 }
 
-/// Pairs of carries that follow each other with the same object, by position in `carries`.
+/// Pairs of carries that follow each other with the same object, by position in `carries`, in the order of the second ones.
 pub fn hand_overs(carries: &[Carry]) -> impl Iterator<Item = (usize, usize)> {
-    carries.iter().enumerate().filter_map(|(next, carry)| {
-        let before = carries[..next].iter().rposition(|before| before.object == carry.object)?;
-        Some((before, next))
-    })
+    let mut last = BTreeMap::new();
+    carries.iter().enumerate().filter_map(move |(next, carry)| Some((last.insert(carry.object, next)?, next)))
 }
 
 #[cfg(test)]

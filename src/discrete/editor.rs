@@ -193,7 +193,7 @@ impl DiscreteEditor {
             self.search = Some(search);
             return changed;
         }
-        self.editor.solve()?;
+        self.solve()?;
         let before = self.energy().total;
         self.propose();
         let Some(candidate) = self.choose(before) else { return Ok(false) };
@@ -204,6 +204,16 @@ impl DiscreteEditor {
         // What the present factorisations told did not come true.
         let Some(candidate) = self.choose_weighed(before) else { return Ok(false) };
         Ok(self.take(&candidate, (before, occasion)))
+    }
+
+    /// Solves for the present targets.
+    fn solve(&mut self) -> Result<(), EditError> {
+        let regrouped = self.editor.regrouped();
+        let solved = self.editor.solve().map(|_| ());
+        if self.editor.regrouped() != regrouped {
+            self.forget_systems();
+        }
+        solved
     }
 
     /// Makes a change if it is worth it; whether it was made.

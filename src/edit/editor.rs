@@ -1,6 +1,7 @@
 //! The editor: built once per set of constraints, solved many times while targets move.
 
 mod moving;
+mod objects;
 mod sampled;
 mod share;
 mod variant;
@@ -10,6 +11,7 @@ use std::ops::Range;
 use rayon::prelude::*;
 
 use crate::constraint::{Constraint, ConstraintKind, Relation, Target};
+use crate::edit::carrying::HandsAtRest;
 use crate::edit::energy::{Energy, Extent, length};
 use crate::edit::error::{EditError, Named};
 use crate::edit::expand::{Following, expand};
@@ -27,6 +29,8 @@ use crate::path::RestPath;
 use crate::scene::{Mode, Scene};
 
 use crate::clip::working::WORKING_STEP;
+
+use objects::ObjectTies;
 
 pub use variant::{Exchange, Timing, Variant, WhatIf};
 
@@ -64,6 +68,12 @@ pub struct Editor {
     times: Vec<(usize, usize)>,
     /// Rows relative to objects that move, each with what it binds at present.
     following: Vec<(Following, Hold)>,
+    /// Of each of these, whether its place depends on how others move, at the times of the last solve.
+    coupled: Vec<bool>,
+    ties: ObjectTies,
+    hands: HandsAtRest,
+    /// How often spatial components were formed anew.
+    regrouped: u64,
     settings: SpatialSettings,
     backend: Backend,
 }
@@ -99,8 +109,27 @@ impl Editor {
         let characters = rests.into_iter().map(EditedCharacter::at_rest);
         let edit = Edit { characters: characters.collect(), energy: Energy::default(), notes: Vec::new() };
         let extents = edit.characters.iter().map(extent).collect();
-        let following = expansion.following.iter().map(|row| (*row, expansion.held[row.row].hold)).collect();
-        Self { scene, edit, extents, spatial, temporal, held, times, following, settings, backend }
+        let following: Vec<(Following, Hold)> =
+            expansion.following.iter().map(|row| (*row, expansion.held[row.row].hold)).collect();
+        let mut ties = ObjectTies::new(&scene, (&spatial, &temporal), &following);
+        ties.regroup(&spatial, &held, &following);
+        let (coupled, hands) = (vec![false; following.len()], HandsAtRest::default());
+        Self {
+            scene,
+            edit,
+            extents,
+            spatial,
+            temporal,
+            held,
+            times,
+            following,
+            coupled,
+            ties,
+            hands,
+            regrouped: 0,
+            settings,
+            backend,
+        }
     }
 
     /// The second half of [`Editor::new`]; [`Editor::solve`] does it where it was not done.
@@ -132,6 +161,11 @@ impl Editor {
     /// The scene, with its targets as they are now.
     pub fn scene(&self) -> &Scene {
         &self.scene
+    }
+
+    /// How often solves have formed other groups of characters: what is known of the present systems holds as long as it stays.
+    pub fn regrouped(&self) -> u64 {
+        self.regrouped
     }
 
     /// Scene and result, without what solves them.

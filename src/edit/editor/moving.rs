@@ -1,6 +1,7 @@
 //! Solves paths while objects move.
 
 use super::{Editor, named};
+use crate::edit::carrying::Carrying;
 use crate::edit::error::{EditError, Named};
 use crate::edit::expand::{Following, expand};
 use crate::edit::facing::Turns;
@@ -9,8 +10,8 @@ use crate::edit::groups::{Group, spatial_groups};
 use crate::edit::hold::Hold;
 use crate::edit::mixing::Mixer;
 use crate::edit::moved::Moved;
-use crate::index::ConstraintId;
-use crate::object_motion::{Overlap, object_motions, overlap};
+use crate::index::{CharacterId, ConstraintId};
+use crate::object_motion::{Objects, Overlap, Performance, Possessor, overlap};
 use crate::path::RestPath;
 use crate::scene::Scene;
 
@@ -34,18 +35,30 @@ impl Editor {
         if self.following.is_empty() {
             return self.solve_space();
         }
-        let carried = |row: &Following| self.scene.carries.iter().any(|carry| carry.object == row.object);
-        let settles = self.following.iter().any(|(row, _)| carried(row));
-        if settles {
-            self.begin_at_rest();
+        self.coupled = self.coupled_rows();
+        self.ties.entangle(&self.following, &self.coupled);
+        if self.coupled.contains(&true) { self.settle_objects() } else { self.solve_once() }
+    }
+
+    /// Solves paths where times alone tell the places of all objects that rows are relative to.
+    fn solve_once(&mut self) -> Result<(), EditError> {
+        let read = self.read_objects()?;
+        if self.furthest(&read).is_infinite() {
+            self.rebuild(read);
+        } else {
+            self.renumber(&read);
         }
-        let rounds = if settles { ROUNDS + 2 * self.following.len() } else { 1 };
+        self.solve_space()
+    }
+
+    fn settle_objects(&mut self) -> Result<(), EditError> {
+        self.begin_at_rest();
+        let rounds = ROUNDS + 2 * self.following.len();
         let (mut mixer, mut apart) = (Mixer::default(), f64::INFINITY);
         for round in 0..rounds {
             let read = self.read_objects()?;
-            let settled = if settles && round > 0 { SETTLED } else { 0.0 };
             apart = self.furthest(&read);
-            if round > 0 && apart <= settled {
+            if round > 0 && apart <= SETTLED {
                 return Ok(());
             }
             if apart.is_infinite() {
@@ -70,14 +83,23 @@ impl Editor {
                 }
                 solved => solved?,
             }
-            if settles {
-                self.take_paths();
-            }
+            self.take_paths();
         }
-        if settles && (apart.is_nan() || apart > UNSETTLED) {
+        if apart.is_nan() || apart > UNSETTLED {
             return Err(EditError::Unsettled(self.followers()));
         }
         Ok(())
+    }
+
+    /// Of each row relative to an object that moves, whether its place depends on how others move: somebody has had the object.
+    fn coupled_rows(&self) -> Vec<bool> {
+        let moved = Moved { scene: &self.scene, characters: &self.edit.characters };
+        let objects = Objects::new(&self.scene, &moved);
+        let coupled = |(row, _): &(Following, Hold)| {
+            let seconds = moved.time(CharacterId::from_usize(row.at.path), row.at.frame);
+            objects.possession_before(row.object, seconds).by != Possessor::Itself
+        };
+        self.following.iter().map(coupled).collect()
     }
 
     /// Constraints relative to objects that move, in the order of the scene.
@@ -103,12 +125,13 @@ impl Editor {
     /// Rows relative to objects that move as these are on the present paths.
     fn read_objects(&self) -> Result<Vec<Hold>, EditError> {
         let moved = Moved { scene: &self.scene, characters: &self.edit.characters };
-        let motions = object_motions(&self.scene, &moved);
+        let performance = Carrying { moved, hands: &self.hands };
+        let objects = Objects::new(&self.scene, &performance);
         let read = |(row, _): &(Following, Hold)| {
             let (group, place) = self.held[row.row];
             let constraint = self.spatial[group].component.held[place].row.constraint;
             let wanted = wanted(&self.scene.constraints[constraint.as_usize()].kind, row.before);
-            follow(&moved, &motions, row, wanted).map_err(|OwnLoad { carry }| {
+            follow(&moved, &objects, row, wanted).map_err(|OwnLoad { carry }| {
                 let constraint = named(&self.scene, constraint);
                 EditError::OwnLoad { constraint, carry: carry_named(&self.scene, carry) }
             })
@@ -152,10 +175,12 @@ impl Editor {
             held[row.row].hold = read;
         }
         (self.spatial, self.held) = spatial_groups(&rests, &held, self.settings, self.backend);
+        self.ties.regroup(&self.spatial, &self.held, &self.following);
+        self.regrouped += 1;
     }
 }
 
-fn carry_named(scene: &Scene, carry: usize) -> Named {
+pub(super) fn carry_named(scene: &Scene, carry: usize) -> Named {
     let carry = &scene.carries[carry];
     Named { name: carry.name.clone(), line: carry.line }
 }
