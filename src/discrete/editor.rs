@@ -223,6 +223,7 @@ impl DiscreteEditor {
         let track = self.editor.scene().characters[character.as_usize()].track.clone();
         let Some(scene) = spliced(self.editor.scene(), *character, splice, *keep) else { return false };
         let Ok(mut next) = Editor::of(scene, self.settings.backend) else { return false };
+        next.adopt_bodies(&self.editor, *character);
         if next.solve().is_err() {
             return false;
         }

@@ -154,7 +154,9 @@ impl<'a> Weighing<'a> {
         let timing = timing.get()?.as_ref()?;
         let energy = if timing.is_entangled() {
             let scene = spliced(self.editor.scene(), *character, splice, *keep)?;
-            Editor::new(scene).ok()?.solve().ok()?.energy
+            let mut editor = Editor::new(scene).ok()?;
+            editor.adopt_bodies(self.editor, *character);
+            editor.solve().ok()?.energy
         } else {
             self.editor.energy_of(variant, timing).ok()?
         };

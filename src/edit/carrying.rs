@@ -1,7 +1,7 @@
 //! Hands of those who carry something, as the edit moves their bodies: posed once a frame, at rest, then only moved along.
 
 use std::collections::BTreeMap;
-use std::sync::{Mutex, PoisonError};
+use std::sync::{Arc, Mutex, PoisonError};
 
 use crate::edit::moved::Moved;
 use crate::geometry::{cis, plan_of, world_of};
@@ -11,15 +11,18 @@ use crate::path;
 use crate::scene::Scene;
 use crate::skeleton::Pose;
 
-/// So many of each are remembered.
+/// So many of each are remembered of a character.
 const MOST: usize = 20_000;
 
-/// Hands at rest that have been asked for. They hold as long as tracks do.
+/// Hands at rest that have been asked for, by character: they hold as long as tracks do.
+#[derive(Clone, Debug, Default)]
+pub struct HandsAtRest(Vec<Arc<HandsOfOne>>);
+
 #[derive(Debug, Default)]
-pub struct HandsAtRest {
-    /// By character and bits of the frame.
-    poses: Mutex<BTreeMap<(CharacterId, u64), BodyHands>>,
-    /// Whether hands tell a heading, by carry and bits of its first and last frame: of those who carry alone.
+struct HandsOfOne {
+    /// By bits of the frame.
+    poses: Mutex<BTreeMap<u64, BodyHands>>,
+    /// Whether hands tell a heading, by carry and bits of its first and last frame: of those in which nobody else carries.
     apart: Mutex<BTreeMap<(usize, [u64; 2]), bool>>,
 }
 
@@ -59,33 +62,44 @@ impl Performance for Carrying<'_> {
             return hands_stay_apart(scene, self, carry, frames);
         }
         // One body keeps its hands apart wherever it goes.
-        let key = (carry, frames.map(f64::to_bits));
-        let known = self.hands.apart.lock().unwrap_or_else(PoisonError::into_inner).get(&key).copied();
-        known.unwrap_or_else(|| {
-            let found = hands_stay_apart(scene, &self.moved, carry, frames);
-            let mut apart = self.hands.apart.lock().unwrap_or_else(PoisonError::into_inner);
-            if apart.len() >= MOST {
-                apart.clear();
-            }
-            apart.insert(key, found);
-            found
+        let known = &self.hands.0[scene.carries[carry].by[0].as_usize()].apart;
+        remembered(known, (carry, frames.map(f64::to_bits)), || {
+            hands_stay_apart(scene, &self.moved, carry, frames)
         })
     }
 }
 
 impl HandsAtRest {
+    /// Of so many characters; nothing is known yet.
+    pub fn new(characters: usize) -> Self {
+        Self((0..characters).map(|_| Arc::default()).collect())
+    }
+
+    /// Takes over what others know, of the same tracks but that of `changed`.
+    pub fn adopt(&mut self, others: &Self, changed: CharacterId) {
+        self.0.clone_from(&others.0);
+        self.0[changed.as_usize()] = Arc::default();
+    }
+
     fn at(&self, scene: &Scene, who: CharacterId, frame: f64) -> BodyHands {
-        let key = (who, frame.to_bits());
-        let known = self.poses.lock().unwrap_or_else(PoisonError::into_inner).get(&key).copied();
-        known.unwrap_or_else(|| {
+        remembered(&self.0[who.as_usize()].poses, frame.to_bits(), || {
             let track = &scene.characters[who.as_usize()].track;
-            let found = BodyHands::of(&track.clips[0].clip.skeleton, &track.pose(frame));
-            let mut poses = self.poses.lock().unwrap_or_else(PoisonError::into_inner);
-            if poses.len() >= MOST {
-                poses.clear();
-            }
-            poses.insert(key, found);
-            found
+            BodyHands::of(&track.clips[0].clip.skeleton, &track.pose(frame))
         })
     }
+}
+
+/// What is known of `key`, or is found now.
+fn remembered<K: Ord, V: Copy>(known: &Mutex<BTreeMap<K, V>>, key: K, find: impl FnOnce() -> V) -> V {
+    let locked = || known.lock().unwrap_or_else(PoisonError::into_inner);
+    let own = locked().get(&key).copied();
+    own.unwrap_or_else(|| {
+        let found = find();
+        let mut known = locked();
+        if known.len() >= MOST {
+            known.clear();
+        }
+        known.insert(key, found);
+        found
+    })
 }

@@ -24,7 +24,7 @@ use crate::edit::settings::{Backend, SpatialSettings};
 use crate::edit::spatial::{SpatialComponent, SpatialError};
 use crate::edit::temporal::{TemporalComponent, TemporalError};
 use crate::edit::time_row::StepBounds;
-use crate::index::ConstraintId;
+use crate::index::{CharacterId, ConstraintId};
 use crate::path::RestPath;
 use crate::scene::{Mode, Scene};
 
@@ -113,7 +113,7 @@ impl Editor {
             expansion.following.iter().map(|row| (*row, expansion.held[row.row].hold)).collect();
         let mut ties = ObjectTies::new(&scene, (&spatial, &temporal), &following);
         ties.regroup(&spatial, &held, &following);
-        let (coupled, hands) = (vec![false; following.len()], HandsAtRest::default());
+        let (coupled, hands) = (vec![false; following.len()], HandsAtRest::new(scene.characters.len()));
         Self {
             scene,
             edit,
@@ -130,6 +130,11 @@ impl Editor {
             settings,
             backend,
         }
+    }
+
+    /// Takes over what `other` knows of bodies: an editor of a scene in which nobody but `changed` has another track.
+    pub fn adopt_bodies(&mut self, other: &Self, changed: CharacterId) {
+        self.hands.adopt(&other.hands, changed);
     }
 
     /// The second half of [`Editor::new`]; [`Editor::solve`] does it where it was not done.
