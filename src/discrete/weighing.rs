@@ -154,9 +154,7 @@ impl<'a> Weighing<'a> {
         let timing = timing.get()?.as_ref()?;
         let energy = if timing.is_entangled() {
             let scene = spliced(self.editor.scene(), *character, splice, *keep)?;
-            let mut editor = Editor::new(scene).ok()?;
-            editor.adopt_bodies(self.editor, *character);
-            editor.solve().ok()?.energy
+            self.editor.energy_entangled(scene, variant, timing).ok()?
         } else {
             self.editor.energy_of(variant, timing).ok()?
         };

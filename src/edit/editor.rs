@@ -1,5 +1,6 @@
 //! The editor: built once per set of constraints, solved many times while targets move.
 
+mod entangled;
 mod moving;
 mod objects;
 mod sampled;
@@ -257,8 +258,9 @@ impl Editor {
             self.take_times();
         } else {
             let before = self.edit.characters.clone();
+            let timed = self.ties.timed(&self.temporal, &self.following);
             self.take_times();
-            if let Err(error) = self.solve_with_objects() {
+            if let Err(error) = self.solve_with_objects(&timed) {
                 self.edit.characters = before;
                 self.temporal.iter_mut().for_each(|group| group.stale = true);
                 self.spatial.iter_mut().for_each(|group| group.stale = true);

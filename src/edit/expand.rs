@@ -31,6 +31,8 @@ pub struct Expansion {
 pub struct Following {
     /// Position in [`Expansion::held`].
     pub row: usize,
+    /// Whose row it is.
+    pub constraint: ConstraintId,
     /// Which object.
     pub object: ObjectId,
     /// Who and when.
@@ -69,6 +71,7 @@ pub fn expand_some(
             let row = expansion.held.len();
             expansion.following.extend(follows.map(|(object, before)| Following {
                 row,
+                constraint,
                 object,
                 at: hold.at(),
                 before,

@@ -25,70 +25,83 @@ const UNSETTLED: f64 = 1e-8;
 
 impl Editor {
     /// Solves paths while objects move: keyframed ones are where the times say, and what is held relative to carried ones
-    /// is solved until it stays. It begins from rest, so that the result does not depend on earlier targets.
-    pub(super) fn solve_with_objects(&mut self) -> Result<(), EditError> {
+    /// is solved until it stays. That begins from rest, so that the result does not depend on earlier targets.
+    /// `timed`: of each set of characters that objects tie, whether times that concern it have changed.
+    pub(super) fn solve_with_objects(&mut self, timed: &[bool]) -> Result<(), EditError> {
         let moved = Moved { scene: &self.scene, characters: &self.edit.characters };
         if let Some(Overlap { first, second, seconds }) = overlap(&self.scene, &moved) {
             let [first, second] = [first, second].map(|carry| carry_named(&self.scene, carry));
             return Err(EditError::CarriesOverlap { first, second, seconds });
         }
-        if self.following.is_empty() {
-            return self.solve_space();
-        }
+        if self.following.is_empty() { self.solve_space() } else { self.solve_tied(timed) }
+    }
+
+    /// The same of carries that do not overlap, with rows relative to objects.
+    pub(super) fn solve_tied(&mut self, timed: &[bool]) -> Result<(), EditError> {
         self.coupled = self.coupled_rows();
         self.ties.entangle(&self.following, &self.coupled);
-        if self.coupled.contains(&true) { self.settle_objects() } else { self.solve_once() }
-    }
-
-    /// Solves paths where times alone tell the places of all objects that rows are relative to.
-    fn solve_once(&mut self) -> Result<(), EditError> {
-        let read = self.read_objects()?;
-        if self.furthest(&read).is_infinite() {
-            self.rebuild(read);
-        } else {
-            self.renumber(&read);
+        let (sets, entangled) = (&self.ties.sets, &self.ties.entangled);
+        let mut active = timed.to_vec();
+        for group in self.spatial.iter().filter(|group| group.stale) {
+            active[sets[group.characters[0]]] = true;
         }
-        self.solve_space()
-    }
-
-    fn settle_objects(&mut self) -> Result<(), EditError> {
-        self.begin_at_rest();
-        let rounds = ROUNDS + 2 * self.following.len();
-        let (mut mixer, mut apart) = (Mixer::default(), f64::INFINITY);
-        for round in 0..rounds {
-            let read = self.read_objects()?;
-            apart = self.furthest(&read);
-            if round > 0 && apart <= SETTLED {
-                return Ok(());
-            }
-            if apart.is_infinite() {
-                self.rebuild(read);
-                mixer = Mixer::default();
-            } else if round == 0 {
-                // What was read at rest is no answer to the present numbers.
-                self.renumber(&read);
-            } else {
-                let present: Vec<f64> = self.following.iter().flat_map(|(_, hold)| numbers(hold)).collect();
-                let pairs = self.following.iter().zip(&read);
-                let steps: Vec<f64> = pairs.flat_map(|((_, old), new)| step(old, new)).collect();
-                let mixed = mixer.next(&present, &steps);
-                let mixed =
-                    mixed.chunks_exact(2).zip(&read).map(|(own, like)| with_numbers(like, [own[0], own[1]]));
-                self.renumber(&mixed.collect::<Vec<_>>());
-            }
-            match self.solve_space() {
-                // What runs away ends where numbers do, whatever the solver says of it.
-                Err(EditError::Solver { .. }) if round > 0 => {
-                    return Err(EditError::Unsettled(self.followers()));
-                }
-                solved => solved?,
-            }
-            self.take_paths();
-        }
-        if apart.is_nan() || apart > UNSETTLED {
-            return Err(EditError::Unsettled(self.followers()));
+        let settling: Vec<bool> = active.iter().zip(entangled).map(|(active, own)| *active && *own).collect();
+        self.begin_at_rest(&settling);
+        let rows = self.rows_of(|set| active[set]);
+        self.place(&rows)?;
+        self.solve_space()?;
+        for set in (0..settling.len()).filter(|set| settling[*set]) {
+            self.settle(&self.rows_of(|own| own == set))?;
         }
         Ok(())
+    }
+
+    /// Places rows relative to objects as these are on the present paths, whatever the rows bind.
+    fn place(&mut self, rows: &[usize]) -> Result<(), EditError> {
+        let read = self.read_objects(rows)?;
+        if self.furthest(rows, &read).is_finite() {
+            self.renumber(rows, &read);
+            return Ok(());
+        }
+        let mut all: Vec<Hold> = self.following.iter().map(|(_, hold)| *hold).collect();
+        rows.iter().zip(read).for_each(|(row, read)| all[*row] = read);
+        self.rebuild(all);
+        Ok(())
+    }
+
+    /// Solves until these rows stay, which were placed on paths at rest and solved once.
+    fn settle(&mut self, rows: &[usize]) -> Result<(), EditError> {
+        let rounds = ROUNDS + 2 * rows.len();
+        let (mut mixer, mut apart) = (Mixer::default(), f64::INFINITY);
+        for _ in 1..rounds {
+            self.take_paths();
+            let read = self.read_objects(rows)?;
+            apart = self.furthest(rows, &read);
+            if apart <= SETTLED {
+                return Ok(());
+            }
+            let present: Vec<f64> = rows.iter().flat_map(|row| numbers(&self.following[*row].1)).collect();
+            let pairs = rows.iter().zip(&read);
+            let steps: Vec<f64> = pairs.flat_map(|(row, new)| step(&self.following[*row].1, new)).collect();
+            let mixed = mixer.next(&present, &steps);
+            let mixed = mixed.chunks_exact(2).zip(&read).map(|(own, like)| with_numbers(like, [own[0], own[1]]));
+            self.renumber(rows, &mixed.collect::<Vec<_>>());
+            match self.solve_space() {
+                // What runs away ends where numbers do, whatever the solver says of it.
+                Err(EditError::Solver { .. }) => return Err(EditError::Unsettled(self.followers(rows))),
+                solved => solved?,
+            }
+        }
+        if apart.is_nan() || apart > UNSETTLED {
+            return Err(EditError::Unsettled(self.followers(rows)));
+        }
+        Ok(())
+    }
+
+    /// Rows relative to objects, by position, whose characters are in a set that is `wanted`.
+    fn rows_of(&self, wanted: impl Fn(usize) -> bool) -> Vec<usize> {
+        let own = |row: &usize| wanted(self.ties.sets[self.following[*row].0.at.path]);
+        (0..self.following.len()).filter(own).collect()
     }
 
     /// Of each row relative to an object that moves, whether its place depends on how others move: somebody has had the object.
@@ -103,46 +116,47 @@ impl Editor {
     }
 
     /// Constraints relative to objects that move, in the order of the scene.
-    fn followers(&self) -> Vec<Named> {
-        let places = self.following.iter().map(|(row, _)| self.held[row.row]);
-        let mut ids: Vec<ConstraintId> =
-            places.map(|(group, row)| self.spatial[group].component.held[row].row.constraint).collect();
+    fn followers(&self, rows: &[usize]) -> Vec<Named> {
+        let mut ids: Vec<ConstraintId> = rows.iter().map(|row| self.following[*row].0.constraint).collect();
         ids.dedup();
         ids.into_iter().map(|id| named(&self.scene, id)).collect()
     }
 
-    fn begin_at_rest(&mut self) {
-        for character in &mut self.edit.characters {
+    /// Whoever is in one of these sets is at rest again.
+    fn begin_at_rest(&mut self, settling: &[bool]) {
+        let sets = &self.ties.sets;
+        for (character, _) in self.edit.characters.iter_mut().zip(sets).filter(|(_, set)| settling[**set]) {
             character.positions.copy_from_slice(&character.rest.positions);
             let Turns { along_path, corrections, flips } = &mut character.turns;
             along_path.fill(0.0);
             corrections.clear();
             flips.clear();
         }
-        self.spatial.iter_mut().for_each(|group| group.stale = true);
+        self.spatial.iter_mut().for_each(|group| group.stale |= settling[sets[group.characters[0]]]);
     }
 
     /// Rows relative to objects that move as these are on the present paths.
-    fn read_objects(&self) -> Result<Vec<Hold>, EditError> {
+    pub(super) fn read_objects(&self, rows: &[usize]) -> Result<Vec<Hold>, EditError> {
         let moved = Moved { scene: &self.scene, characters: &self.edit.characters };
         let performance = Carrying { moved, hands: &self.hands };
         let objects = Objects::new(&self.scene, &performance);
-        let read = |(row, _): &(Following, Hold)| {
-            let (group, place) = self.held[row.row];
-            let constraint = self.spatial[group].component.held[place].row.constraint;
+        let read = |row: &usize| {
+            let (row, _) = &self.following[*row];
+            let constraint = row.constraint;
             let wanted = wanted(&self.scene.constraints[constraint.as_usize()].kind, row.before);
             follow(&moved, &objects, row, wanted).map_err(|OwnLoad { carry }| {
                 let constraint = named(&self.scene, constraint);
                 EditError::OwnLoad { constraint, carry: carry_named(&self.scene, carry) }
             })
         };
-        self.following.iter().map(read).collect()
+        rows.iter().map(read).collect()
     }
 
     /// By how much rows differ from the present ones, metres or radians; infinite where they bind other frames.
-    fn furthest(&self, read: &[Hold]) -> f64 {
-        let pairs = self.following.iter().zip(read);
-        let apart = |((_, old), new): (&(Following, Hold), &Hold)| {
+    fn furthest(&self, rows: &[usize], read: &[Hold]) -> f64 {
+        let pairs = rows.iter().zip(read);
+        let apart = |(row, new): (&usize, &Hold)| {
+            let (_, old) = &self.following[*row];
             if alike(old, new) {
                 step(old, new).into_iter().map(f64::abs).fold(0.0, f64::max)
             } else {
@@ -153,8 +167,12 @@ impl Editor {
     }
 
     /// Gives rows relative to objects that move other targets.
-    fn renumber(&mut self, all: &[Hold]) {
-        for ((row, hold), new) in self.following.iter_mut().zip(all).filter(|((_, old), new)| old != *new) {
+    fn renumber(&mut self, rows: &[usize], all: &[Hold]) {
+        for (index, new) in rows.iter().zip(all) {
+            let (row, hold) = &mut self.following[*index];
+            if hold == new {
+                continue;
+            }
             *hold = *new;
             let (group, place) = self.held[row.row];
             let Group { component, stale, .. } = &mut self.spatial[group];

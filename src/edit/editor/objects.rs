@@ -36,9 +36,9 @@ pub(super) struct ObjectTies {
     /// Of each object.
     carries: Vec<Vec<usize>>,
     /// Who could be solved together at some times: number of the set of each character.
-    sets: Vec<usize>,
+    pub(super) sets: Vec<usize>,
     /// Of each of these sets, whether rows in it depend on how others move at present.
-    entangled: Vec<bool>,
+    pub(super) entangled: Vec<bool>,
 }
 
 /// Where rows relative to objects lie at the times of a variant.
@@ -140,6 +140,25 @@ impl ObjectTies {
         }
     }
 
+    /// Of each set, whether times of the components that have changed concern it.
+    pub(super) fn timed(
+        &self,
+        temporal: &[Group<TemporalComponent>],
+        following: &[(Following, Hold)],
+    ) -> Vec<bool> {
+        let mut timed = vec![false; self.entangled.len()];
+        for (_, rows) in temporal.iter().zip(&self.rows_in_time).filter(|(group, _)| group.stale) {
+            rows.iter().for_each(|row| timed[self.sets[following[*row].0.at.path]] = true);
+        }
+        timed
+    }
+
+    /// What a part of the scene needs of these.
+    pub(super) fn sets_alone(&self) -> Self {
+        let (sets, entangled) = (self.sets.clone(), vec![false; self.entangled.len()]);
+        Self { sets, entangled, ..Self::default() }
+    }
+
     fn is_empty(&self) -> bool {
         self.carries.is_empty()
     }
@@ -205,9 +224,9 @@ impl Editor {
             let found = || possessions(&carries.iter().map(|c| (*c, [0, 1].map(|end| moment(*c, end)))).collect::<Vec<_>>());
             *possession_before(known.entry(object).or_insert_with(found), seconds)
         };
-        let mut told = |row: &Following, constraint: ConstraintId| {
+        let mut told = |row: &Following| {
             let seconds = time(row.at.path, row.at.frame);
-            let wanted = wanted(&self.scene.constraints[constraint.as_usize()].kind, row.before);
+            let wanted = wanted(&self.scene.constraints[row.constraint.as_usize()].kind, row.before);
             let course = &self.scene.objects[row.object.as_usize()].course;
             let free = possession(row.object, seconds).by == Possessor::Itself;
             free.then(|| in_the_world(row, wanted, course.pose_at(seconds)))
@@ -218,20 +237,21 @@ impl Editor {
             return Ok(then);
         }
         for row in &variant.following {
-            let (constraint, ordinal) = variant.row(row.row);
-            match told(row, constraint) {
+            let (constraint, ordinal) = (row.constraint, variant.ordinal(row.row));
+            match told(row) {
                 Some(hold) => then.rows.push(RowThen { group: own, constraint, ordinal, hold }),
                 None => then.coupled = true,
             }
         }
         for row in unique(self.ties.rows_in_time[index].iter().chain(&self.ties.rows_in_space[own]).copied()) {
             let (following, present) = &self.following[row];
-            let (group, constraint, ordinal) = self.row(following);
-            if variant.binds(constraint) {
+            if variant.binds(following.constraint) {
                 continue;
             }
-            match told(following, constraint) {
+            match told(following) {
                 Some(hold) => {
+                    let (group, ordinal) = self.place_of_row(following);
+                    let constraint = following.constraint;
                     then.rows.push(RowThen { group, constraint, ordinal, hold });
                     if group != own && hold != *present {
                         then.elsewhere.push(group);
@@ -244,13 +264,11 @@ impl Editor {
         Ok(then)
     }
 
-    /// Spatial component of a row relative to an object, its constraint, and which of its rows it is.
-    fn row(&self, following: &Following) -> (usize, ConstraintId, usize) {
+    /// Spatial component of a row relative to an object, and which row of its constraint it is.
+    fn place_of_row(&self, following: &Following) -> (usize, usize) {
         let (group, place) = self.held[following.row];
         let held = &self.spatial[group].component.held;
-        let constraint = held[place].row.constraint;
-        let first = held.partition_point(|prepared| prepared.row.constraint < constraint);
-        (group, constraint, place - first)
+        (group, place - held.partition_point(|prepared| prepared.row.constraint < following.constraint))
     }
 
     /// Of each spatial component, whether a change of the track of `who` may change it.

@@ -50,13 +50,15 @@ pub struct Variant {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Timing {
     /// Component.
-    group: usize,
+    pub(super) group: usize,
     /// Its energy, s².
     energy: f64,
     /// Seconds from first to last frame of each of its tracks.
     seconds: Vec<f64>,
     /// Where objects are then.
     objects: ObjectsThen,
+    /// The times themselves, where only solving all tells more.
+    pub(super) times: Vec<Vec<f64>>,
 }
 
 /// A group in which somebody performs another track.
@@ -161,7 +163,8 @@ impl Editor {
         let TemporalComponent { times, energy, .. } = &group.component;
         let objects = self.objects_then(variant, (index, &group.characters, times))?;
         let seconds = times.iter().map(|times| times[times.len() - 1] - times[0]).collect();
-        Ok(Timing { group: index, energy: energy.0 + energy.1, seconds, objects })
+        let times = if objects.coupled { times.clone() } else { Vec::new() };
+        Ok(Timing { group: index, energy: energy.0 + energy.1, seconds, objects, times })
     }
 
     /// Ê if `variant` were performed, for the targets of the last solve: the same as that of an editor built for it. `timing`:
@@ -298,7 +301,7 @@ impl Editor {
         bound - ROUNDING * (1.0 + bound)
     }
 
-    fn time_sum(&self, timing: &Timing) -> f64 {
+    pub(super) fn time_sum(&self, timing: &Timing) -> f64 {
         let own = |(index, group): (usize, &Group<TemporalComponent>)| match index == timing.group {
             true => timing.energy,
             false => group.component.energy.0 + group.component.energy.1,
@@ -306,7 +309,7 @@ impl Editor {
         self.temporal.iter().enumerate().map(own).fold(0.0, |sum, energy| sum + energy)
     }
 
-    fn take_seconds(&self, variant: &Variant, timing: &Timing, extents: &mut [Extent]) {
+    pub(super) fn take_seconds(&self, variant: &Variant, timing: &Timing, extents: &mut [Extent]) {
         extents[variant.character].seconds.0 = (variant.rest.len() - 1) as f64 * WORKING_STEP;
         for (character, seconds) in self.temporal[timing.group].characters.iter().zip(&timing.seconds) {
             extents[*character].seconds.1 = *seconds;
@@ -374,10 +377,10 @@ impl Variant {
         self.constraints.binary_search(&constraint).is_ok()
     }
 
-    /// Constraint of a row, by position, and which of its rows it is.
-    pub(super) fn row(&self, place: usize) -> (ConstraintId, usize) {
+    /// Which row of its constraint the row at a place is.
+    pub(super) fn ordinal(&self, place: usize) -> usize {
         let constraint = self.held[place].row.constraint;
-        (constraint, place - self.held.partition_point(|prepared| prepared.row.constraint < constraint))
+        place - self.held.partition_point(|prepared| prepared.row.constraint < constraint)
     }
 }
 
