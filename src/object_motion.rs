@@ -23,7 +23,7 @@ use crate::skeleton::{JointFrame, Pose, Skeleton};
 use hands::Hands;
 
 pub use asked::Objects;
-pub use hands::{BodyHands, hands_stay_apart};
+pub use hands::{BodyHands, LEAST_WIDTH, hands_stay_apart};
 pub use possession::{Possession, Possessor, possession_before, possessions};
 
 /// Somebody grasps what somebody else still has: so much is taken for rounding of soft times, and the second has it then,

@@ -10,7 +10,7 @@ use crate::scene::Scene;
 use crate::skeleton::{JointFrame, JointRole, Pose, Skeleton};
 
 /// Hands that come nearer to each other than this, seen from above, tell no heading, metres.
-const LEAST_WIDTH: f64 = 0.05;
+pub const LEAST_WIDTH: f64 = 0.05;
 
 /// A body, as far as what it carries needs it.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -4,6 +4,7 @@
 use super::variant::{Timing, Variant};
 use super::{Edit, EditError, Editor, extent};
 use crate::constraint::ConstraintKind;
+use crate::edit::carrying::HandsAtRest;
 use crate::edit::energy::{Energy, Extent};
 use crate::edit::expand::{Expansion, Following, expand_some};
 use crate::edit::groups::{Group, spatial_groups_of};
@@ -74,7 +75,7 @@ impl Editor {
         let characters: Vec<EditedCharacter> = characters.collect();
         let of = |(own, is): (&EditedCharacter, &bool)| if *is { extent(own) } else { Extent::default() };
         let extents = characters.iter().zip(&members).map(of).collect();
-        let mut hands = self.hands.clone();
+        let mut hands = HandsAtRest::default();
         hands.adopt(&self.hands, CharacterId::from_usize(variant.character));
         let following: Vec<(Following, Hold)> =
             following.into_iter().map(|row| (row, held[row.row].hold)).collect();

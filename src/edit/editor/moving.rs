@@ -33,7 +33,11 @@ impl Editor {
             let [first, second] = [first, second].map(|carry| carry_named(&self.scene, carry));
             return Err(EditError::CarriesOverlap { first, second, seconds });
         }
-        if self.following.is_empty() { self.solve_space() } else { self.solve_tied(timed) }
+        if self.following.is_empty() {
+            return self.solve_space();
+        }
+        self.hands.forget_times();
+        self.solve_tied(timed)
     }
 
     /// The same of carries that do not overlap, with rows relative to objects.
