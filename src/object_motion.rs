@@ -181,11 +181,7 @@ fn object_motion(scene: &Scene, performance: &impl Performance, object: ObjectId
 }
 
 /// Carries, by position in the scene, with the times of their grasps and releases.
-fn carry_times(
-    scene: &Scene,
-    performance: &impl Performance,
-    carries: &[usize],
-) -> Vec<(usize, [f64; 2])> {
+fn carry_times(scene: &Scene, performance: &impl Performance, carries: &[usize]) -> Vec<(usize, [f64; 2])> {
     let times = |carry: &usize| {
         let (grasp, release) = &scene.carries[*carry].during;
         (*carry, [grasp, release].map(|moment| moment_time(scene, performance, moment)))

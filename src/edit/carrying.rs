@@ -69,7 +69,8 @@ impl Performance for Carrying<'_> {
         let key = (carry, frames.map(f64::to_bits));
         if let [first, second] = scene.carries[carry].by[..] {
             let both = [first, second];
-            let abreast = remembered(&self.hands.abreast, key, || Arc::new(self.abreast(carry, both, frames)));
+            let abreast =
+                remembered(&self.hands.abreast, key, || Arc::new(self.abreast(carry, both, frames)));
             return abreast.iter().all(|own| self.are_apart(both, own));
         }
         // One body keeps its hands apart wherever it goes.

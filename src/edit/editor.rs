@@ -257,17 +257,17 @@ impl Editor {
             self.solve_space()?;
             self.take_times();
         } else {
-            let before = self.edit.characters.clone();
             let timed = self.ties.timed(&self.temporal, &self.following);
+            let taken: Vec<bool> = self.temporal.iter().map(|group| group.stale).collect();
             self.take_times();
             if let Err(error) = self.solve_with_objects(&timed) {
-                self.edit.characters = before;
+                self.give_times_back(&taken);
                 self.temporal.iter_mut().for_each(|group| group.stale = true);
                 self.spatial.iter_mut().for_each(|group| group.stale = true);
                 return Err(error);
             }
         }
-        self.take_paths();
+        self.take_paths(|_| true);
         self.update_energy();
         self.edit.notes = self.notes();
         Ok(&self.edit)
@@ -292,9 +292,18 @@ impl Editor {
         }
     }
 
-    /// Exchanges stale paths for those of their components, once all are solved.
-    fn take_paths(&mut self) {
-        for group in self.spatial.iter_mut().filter(|group| group.stale) {
+    /// Undoes [`Editor::take_times`] for the components in which times were taken.
+    fn give_times_back(&mut self, taken: &[bool]) {
+        for (group, _) in self.temporal.iter_mut().zip(taken).filter(|(_, taken)| **taken) {
+            for (times, character) in group.component.times.iter_mut().zip(&group.characters) {
+                std::mem::swap(&mut self.edit.characters[*character].times, times);
+            }
+        }
+    }
+
+    /// Exchanges stale paths for those of their components, once all are solved: of components of `wanted` first characters.
+    fn take_paths(&mut self, wanted: impl Fn(usize) -> bool) {
+        for group in self.spatial.iter_mut().filter(|group| group.stale && wanted(group.characters[0])) {
             let SpatialComponent { edited, bodies, .. } = &mut group.component;
             for ((edited, body), character) in edited.iter_mut().zip(bodies).zip(&group.characters) {
                 let own = &mut self.edit.characters[*character];

@@ -62,7 +62,7 @@ pub fn expand_some(
     wanted: impl Fn(&ConstraintKind) -> bool,
 ) -> Expansion {
     let performance = AtRest(scene);
-    let rest = Rest { scene, rests, objects: Objects::new(scene, &performance) };
+    let rest = Rest { scene, rests, objects: Objects::new(scene, &performance, &[]) };
     let mut expansion = Expansion { times: expand_times(scene, &wanted), ..Expansion::default() };
     let constraints = scene.constraints.iter().enumerate().filter(|(_, constraint)| wanted(&constraint.kind));
     for (index, Constraint { strength, kind, .. }) in constraints {
@@ -186,7 +186,7 @@ fn shares(samples: &[PairSample<'_>]) -> Vec<f64> {
 pub fn capture(scene: &Scene, rests: &[RestPath]) -> BTreeMap<ConstraintId, Captured> {
     let rests: &[&RestPath] = &rests.iter().collect::<Vec<_>>();
     let performance = AtRest(scene);
-    let rest = Rest { scene, rests, objects: Objects::new(scene, &performance) };
+    let rest = Rest { scene, rests, objects: Objects::new(scene, &performance, &[]) };
     let mut all = BTreeMap::new();
     for (index, constraint) in scene.constraints.iter().enumerate() {
         let ConstraintKind::Relative { when, partner, offset, facing } = &constraint.kind else { continue };

@@ -1,5 +1,6 @@
 //! Objects along time, worked out as far as somebody asks for them.
 
+use std::borrow::Cow;
 use std::cell::RefCell;
 use std::collections::BTreeMap;
 use std::rc::Rc;
@@ -18,15 +19,17 @@ type Known = (Vec<(usize, [f64; 2])>, Vec<Possession>);
 pub struct Objects<'a, P> {
     scene: &'a Scene,
     performance: &'a P,
+    carries: &'a [Vec<usize>],
     /// Of each object asked for.
     known: RefCell<BTreeMap<ObjectId, Rc<Known>>>,
     motions: RefCell<BTreeMap<ObjectId, Rc<ObjectMotion>>>,
 }
 
 impl<'a, P: Performance> Objects<'a, P> {
-    /// Of those in `scene`, as everybody moves.
-    pub fn new(scene: &'a Scene, performance: &'a P) -> Self {
-        Self { scene, performance, known: RefCell::default(), motions: RefCell::default() }
+    /// Of those in `scene`, as everybody moves. `carries`: of each object, by position, rising; empty where nobody has listed
+    /// them.
+    pub fn new(scene: &'a Scene, performance: &'a P, carries: &'a [Vec<usize>]) -> Self {
+        Self { scene, performance, carries, known: RefCell::default(), motions: RefCell::default() }
     }
 
     /// The possession that holds just before a scene time. Cost: linear in carries when first asked.
@@ -53,7 +56,9 @@ impl<'a, P: Performance> Objects<'a, P> {
         if let Some(known) = self.known.borrow().get(&object) {
             return Rc::clone(known);
         }
-        let times = carry_times(self.scene, self.performance, &self.scene.carries_of(object));
+        let listed = self.carries.get(object.as_usize());
+        let carries = listed.map_or_else(|| Cow::Owned(self.scene.carries_of(object)), Cow::Borrowed);
+        let times = carry_times(self.scene, self.performance, &carries);
         let possessions = possessions(&times);
         let known = Rc::new((times, possessions));
         self.known.borrow_mut().insert(object, Rc::clone(&known));

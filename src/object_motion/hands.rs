@@ -78,9 +78,8 @@ pub(super) struct Hands {
 
 impl Hands {
     pub(super) fn at(scene: &Scene, performance: &impl Performance, carry: &Carry, seconds: f64) -> Self {
-        let body = |who: &CharacterId| {
-            (*who, performance.hands(scene, *who, performance.frame(*who, seconds)))
-        };
+        let body =
+            |who: &CharacterId| (*who, performance.hands(scene, *who, performance.frame(*who, seconds)));
         Self::of(carry.by.iter().map(body))
     }
 

@@ -35,7 +35,7 @@ impl Editor {
         let mut part = self.part(scene, (variant, timing), &concerned)?;
         let nothing_else = vec![false; part.ties.entangled.len()];
         part.solve_tied(&nothing_else)?;
-        part.take_paths();
+        part.take_paths(|_| true);
         let mut extents = self.extents.clone();
         for who in part.spatial.iter().flat_map(|group| &group.characters) {
             extents[*who].length = part.extents[*who].length;
@@ -102,8 +102,7 @@ impl Editor {
             held[row.row].hold = read;
         }
         let wanted = |who: usize| members[who];
-        (part.spatial, part.held) =
-            spatial_groups_of((&rests, wanted), &held, self.settings, self.backend);
+        (part.spatial, part.held) = spatial_groups_of((&rests, wanted), &held, self.settings, self.backend);
         Ok(part)
     }
 

@@ -1,5 +1,7 @@
 //! Solves paths while objects move.
 
+use std::collections::BTreeMap;
+
 use super::{Editor, named};
 use crate::edit::carrying::Carrying;
 use crate::edit::error::{EditError, Named};
@@ -9,7 +11,7 @@ use crate::edit::following::{OwnLoad, alike, follow, numbers, step, wanted, with
 use crate::edit::groups::{Group, spatial_groups};
 use crate::edit::hold::Hold;
 use crate::edit::mixing::Mixer;
-use crate::edit::moved::Moved;
+use crate::edit::moved::{EditedCharacter, Moved};
 use crate::index::{CharacterId, ConstraintId};
 use crate::object_motion::{Objects, Overlap, Performance, Possessor, overlap};
 use crate::path::RestPath;
@@ -22,6 +24,16 @@ const SETTLED: f64 = 1e-11;
 /// Where somebody stands, a small shift turns their body much, and solves are not as exact: after the last attempt they
 /// stay if this changes no more.
 const UNSETTLED: f64 = 1e-8;
+
+/// A set of characters whose rows relative to objects do not stay yet.
+#[derive(Default)]
+struct Unsettled {
+    /// These rows, by position in the list of them.
+    rows: Vec<usize>,
+    mixer: Mixer,
+    /// By how much they changed last, metres or radians.
+    apart: f64,
+}
 
 impl Editor {
     /// Solves paths while objects move: keyframed ones are where the times say, and what is held relative to carried ones
@@ -50,14 +62,29 @@ impl Editor {
             active[sets[group.characters[0]]] = true;
         }
         let settling: Vec<bool> = active.iter().zip(entangled).map(|(active, own)| *active && *own).collect();
-        self.begin_at_rest(&settling);
+        let of = |(_, set): &(usize, &usize)| settling[**set];
+        let settling_ones = self.ties.sets.iter().enumerate().filter(of);
+        let before: Vec<(usize, EditedCharacter)> =
+            settling_ones.map(|(who, _)| (who, self.edit.characters[who].clone())).collect();
+        let solved = self.solve_sets(&active, &settling);
+        if solved.is_err() {
+            before.into_iter().for_each(|(who, own)| self.edit.characters[who] = own);
+        }
+        solved
+    }
+
+    /// Solves sets of characters that are `active`; those that are `settling`, from rest until they stay.
+    fn solve_sets(&mut self, active: &[bool], settling: &[bool]) -> Result<(), EditError> {
+        self.begin_at_rest(settling);
         let rows = self.rows_of(|set| active[set]);
         self.place(&rows)?;
         self.solve_space()?;
-        for set in (0..settling.len()).filter(|set| settling[*set]) {
-            self.settle(&self.rows_of(|own| own == set))?;
+        let mut sets = BTreeMap::<usize, Unsettled>::new();
+        for row in self.rows_of(|set| settling[set]) {
+            sets.entry(self.ties.sets[self.following[row].0.at.path]).or_default().rows.push(row);
         }
-        Ok(())
+        let settles: Vec<bool> = self.ties.sets.iter().map(|set| settling[*set]).collect();
+        self.settle(sets.into_values().collect(), |who| settles[who])
     }
 
     /// Places rows relative to objects as these are on the present paths, whatever the rows bind.
@@ -73,33 +100,59 @@ impl Editor {
         Ok(())
     }
 
-    /// Solves until these rows stay, which were placed on paths at rest and solved once.
-    fn settle(&mut self, rows: &[usize]) -> Result<(), EditError> {
-        let rounds = ROUNDS + 2 * rows.len();
-        let (mut mixer, mut apart) = (Mixer::default(), f64::INFINITY);
-        for _ in 1..rounds {
-            self.take_paths();
-            let read = self.read_objects(rows)?;
-            apart = self.furthest(rows, &read);
-            if apart <= SETTLED {
-                return Ok(());
+    /// Solves until all sets stay, each by itself; their rows were placed on paths at rest and solved once. `settles`: whether a
+    /// character is in one of them.
+    fn settle(&mut self, mut sets: Vec<Unsettled>, settles: impl Fn(usize) -> bool) -> Result<(), EditError> {
+        for round in 1.. {
+            self.take_paths(&settles);
+            let mut failure = None;
+            sets.retain_mut(|set| match self.mix(set, round) {
+                Ok(goes_on) => goes_on,
+                Err(error) => {
+                    failure.get_or_insert(error);
+                    false
+                }
+            });
+            if let Some(error) = failure {
+                return Err(error);
             }
-            let present: Vec<f64> = rows.iter().flat_map(|row| numbers(&self.following[*row].1)).collect();
-            let pairs = rows.iter().zip(&read);
-            let steps: Vec<f64> = pairs.flat_map(|(row, new)| step(&self.following[*row].1, new)).collect();
-            let mixed = mixer.next(&present, &steps);
-            let mixed = mixed.chunks_exact(2).zip(&read).map(|(own, like)| with_numbers(like, [own[0], own[1]]));
-            self.renumber(rows, &mixed.collect::<Vec<_>>());
+            if sets.is_empty() {
+                break;
+            }
             match self.solve_space() {
                 // What runs away ends where numbers do, whatever the solver says of it.
-                Err(EditError::Solver { .. }) => return Err(EditError::Unsettled(self.followers(rows))),
+                Err(EditError::Solver { .. }) => {
+                    let rows: Vec<usize> = sets.iter().flat_map(|set| set.rows.iter().copied()).collect();
+                    return Err(EditError::Unsettled(self.followers(&rows)));
+                }
                 solved => solved?,
             }
         }
-        if apart.is_nan() || apart > UNSETTLED {
-            return Err(EditError::Unsettled(self.followers(rows)));
-        }
         Ok(())
+    }
+
+    /// Gives the rows of a set their next numbers; `false` once they stay, or do so well enough after the last attempt.
+    fn mix(
+        &mut self,
+        Unsettled { rows, mixer, apart }: &mut Unsettled,
+        round: usize,
+    ) -> Result<bool, EditError> {
+        if round == ROUNDS + 2 * rows.len() {
+            let stays = *apart <= UNSETTLED;
+            return if stays { Ok(false) } else { Err(EditError::Unsettled(self.followers(rows))) };
+        }
+        let read = self.read_objects(rows)?;
+        *apart = self.furthest(rows, &read);
+        if *apart <= SETTLED {
+            return Ok(false);
+        }
+        let present: Vec<f64> = rows.iter().flat_map(|row| numbers(&self.following[*row].1)).collect();
+        let pairs = rows.iter().zip(&read);
+        let steps: Vec<f64> = pairs.flat_map(|(row, new)| step(&self.following[*row].1, new)).collect();
+        let mixed = mixer.next(&present, &steps);
+        let mixed = mixed.chunks_exact(2).zip(&read).map(|(own, like)| with_numbers(like, [own[0], own[1]]));
+        self.renumber(rows, &mixed.collect::<Vec<_>>());
+        Ok(true)
     }
 
     /// Rows relative to objects, by position, whose characters are in a set that is `wanted`.
@@ -111,7 +164,7 @@ impl Editor {
     /// Of each row relative to an object that moves, whether its place depends on how others move: somebody has had the object.
     fn coupled_rows(&self) -> Vec<bool> {
         let moved = Moved { scene: &self.scene, characters: &self.edit.characters };
-        let objects = Objects::new(&self.scene, &moved);
+        let objects = Objects::new(&self.scene, &moved, &self.ties.carries);
         let coupled = |(row, _): &(Following, Hold)| {
             let seconds = moved.time(CharacterId::from_usize(row.at.path), row.at.frame);
             objects.possession_before(row.object, seconds).by != Possessor::Itself
@@ -143,7 +196,7 @@ impl Editor {
     pub(super) fn read_objects(&self, rows: &[usize]) -> Result<Vec<Hold>, EditError> {
         let moved = Moved { scene: &self.scene, characters: &self.edit.characters };
         let performance = Carrying { moved, hands: &self.hands };
-        let objects = Objects::new(&self.scene, &performance);
+        let objects = Objects::new(&self.scene, &performance, &self.ties.carries);
         let read = |row: &usize| {
             let (row, _) = &self.following[*row];
             let constraint = row.constraint;

@@ -6,12 +6,12 @@
 
 use std::collections::BTreeMap;
 
+use super::Editor;
 use super::moving::carry_named;
 use super::variant::{Variant, place_of};
-use super::Editor;
 use crate::edit::error::EditError;
 use crate::edit::expand::Following;
-use crate::edit::following::{in_the_world, numbers, wanted, with_numbers};
+use crate::edit::following::{in_the_world, numbers, step, wanted, with_numbers};
 use crate::edit::groups::{Group, connected};
 use crate::edit::hold::{Hold, Prepared};
 use crate::edit::moved::time_of;
@@ -33,8 +33,8 @@ pub(super) struct ObjectTies {
     rows_in_space: Vec<Vec<usize>>,
     /// Of each character: carries that begin or end at a moment of theirs.
     named: Vec<Vec<usize>>,
-    /// Of each object.
-    carries: Vec<Vec<usize>>,
+    /// Carries of each object, rising.
+    pub(super) carries: Vec<Vec<usize>>,
     /// Who could be solved together at some times: number of the set of each character.
     pub(super) sets: Vec<usize>,
     /// Of each of these sets, whether rows in it depend on how others move at present.
@@ -45,8 +45,9 @@ pub(super) struct ObjectTies {
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct ObjectsThen {
     rows: Vec<RowThen>,
-    /// Spatial components besides the variant's whose rows lie elsewhere than at present, rising.
-    pub(super) elsewhere: Vec<usize>,
+    /// Spatial components besides the variant's whose rows lie elsewhere than at present, rising, and by how much, metres or
+    /// radians.
+    pub(super) elsewhere: Vec<(usize, f64)>,
     /// Whether some of these rows depend on how others move.
     pub(super) coupled: bool,
 }
@@ -85,27 +86,35 @@ impl ObjectTies {
         for (index, group) in temporal.iter().enumerate() {
             group.characters.iter().for_each(|who| component[*who] = index);
         }
-        let who_has = |own: &Vec<usize>| -> Vec<usize> { own.iter().flat_map(|carry| carriers(scene, *carry)).collect() };
+        let who_has = |own: &Vec<usize>| -> Vec<usize> {
+            own.iter().flat_map(|carry| carriers(scene, *carry)).collect()
+        };
         let who_have: Vec<Vec<usize>> = carries.iter().map(who_has).collect();
         let in_time = |own: &Vec<usize>| unique(own.iter().map(|who| component[*who]));
         let components: Vec<Vec<usize>> = who_have.iter().map(in_time).collect();
         let (mut pairs, mut rows) = (vec![Vec::new(); temporal.len()], vec![Vec::new(); temporal.len()]);
         for (first, second) in hand_overs(&scene.carries) {
             let who = [first, second].into_iter().flat_map(|carry| carriers(scene, carry));
-            unique(who.map(|who| component[who])).into_iter().for_each(|own| pairs[own].push((first, second)));
+            unique(who.map(|who| component[who]))
+                .into_iter()
+                .for_each(|own| pairs[own].push((first, second)));
         }
         for (index, (row, _)) in following.iter().enumerate() {
             let concerned = components[row.object.as_usize()].iter().copied().chain([component[row.at.path]]);
             unique(concerned).into_iter().for_each(|own| rows[own].push(index));
         }
-        let in_space = spatial.iter().flat_map(|group| group.characters.windows(2).map(|pair| (pair[0], pair[1])));
-        let by_rows = following.iter().filter_map(|(row, _)| {
-            Some((row.at.path, *who_have[row.object.as_usize()].first()?))
-        });
+        let in_space =
+            spatial.iter().flat_map(|group| group.characters.windows(2).map(|pair| (pair[0], pair[1])));
+        let by_rows = following
+            .iter()
+            .filter_map(|(row, _)| Some((row.at.path, *who_have[row.object.as_usize()].first()?)));
         let asked = unique(following.iter().map(|(row, _)| row.object.as_usize()));
-        let by_objects = asked.iter().flat_map(|object| who_have[*object].windows(2).map(|pair| (pair[0], pair[1])));
+        let by_objects =
+            asked.iter().flat_map(|object| who_have[*object].windows(2).map(|pair| (pair[0], pair[1])));
         let mut sets = vec![0; count];
-        for (index, set) in connected(count, in_space.chain(by_rows).chain(by_objects)).into_iter().enumerate() {
+        for (index, set) in
+            connected(count, in_space.chain(by_rows).chain(by_objects)).into_iter().enumerate()
+        {
             set.into_iter().for_each(|who| sets[who] = index);
         }
         Self {
@@ -221,7 +230,11 @@ impl Editor {
         let mut known = BTreeMap::new();
         let mut possession = |object: ObjectId, seconds: f64| -> Possession {
             let carries = &self.ties.carries[object.as_usize()];
-            let found = || possessions(&carries.iter().map(|c| (*c, [0, 1].map(|end| moment(*c, end)))).collect::<Vec<_>>());
+            let found = || {
+                possessions(
+                    &carries.iter().map(|c| (*c, [0, 1].map(|end| moment(*c, end)))).collect::<Vec<_>>(),
+                )
+            };
             *possession_before(known.entry(object).or_insert_with(found), seconds)
         };
         let mut told = |row: &Following| {
@@ -232,7 +245,10 @@ impl Editor {
             free.then(|| in_the_world(row, wanted, course.pose_at(seconds)))
         };
         let (own, _) = place_of(&self.spatial, variant.character).unwrap_or_default();
-        let mut then = ObjectsThen { coupled: self.ties.entangled[self.ties.sets[variant.character]], ..ObjectsThen::default() };
+        let mut then = ObjectsThen {
+            coupled: self.ties.entangled[self.ties.sets[variant.character]],
+            ..ObjectsThen::default()
+        };
         if then.coupled {
             return Ok(then);
         }
@@ -243,7 +259,8 @@ impl Editor {
                 None => then.coupled = true,
             }
         }
-        for row in unique(self.ties.rows_in_time[index].iter().chain(&self.ties.rows_in_space[own]).copied()) {
+        for row in unique(self.ties.rows_in_time[index].iter().chain(&self.ties.rows_in_space[own]).copied())
+        {
             let (following, present) = &self.following[row];
             if variant.binds(following.constraint) {
                 continue;
@@ -254,13 +271,16 @@ impl Editor {
                     let constraint = following.constraint;
                     then.rows.push(RowThen { group, constraint, ordinal, hold });
                     if group != own && hold != *present {
-                        then.elsewhere.push(group);
+                        let apart = step(present, &hold).into_iter().map(f64::abs).fold(0.0, f64::max);
+                        then.elsewhere.push((group, apart));
                     }
                 }
                 None => then.coupled = true,
             }
         }
-        then.elsewhere = unique(then.elsewhere.into_iter());
+        // The farthest row of each.
+        then.elsewhere.sort_unstable_by(|a, b| a.0.cmp(&b.0).then(b.1.total_cmp(&a.1)));
+        then.elsewhere.dedup_by_key(|own| own.0);
         Ok(then)
     }
 

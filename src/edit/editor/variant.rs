@@ -25,6 +25,9 @@ use super::{Editor, solve_times, space_error};
 /// Bounds are lowered by this share of the energies they come from, and by as much without units.
 const ROUNDING: f64 = 1e-9;
 
+/// Rows that lie elsewhere by no more than this, metres or radians, do so by the rounding of times.
+const NOWHERE_ELSE: f64 = 1e-13;
+
 /// Another track in place of a character's, with all rows on it. It outlives drags: numbers are read from the scene anew.
 #[derive(Clone, Debug)]
 pub struct Variant {
@@ -89,7 +92,8 @@ impl Variant {
     /// All that times depend on besides the present targets: variants with the same key are shown at the same times.
     pub fn time_key(&self) -> Vec<u64> {
         let points = self.times.iter().flat_map(|row| [Some(row.at), row.minus]).flatten();
-        let objects = self.carries.iter().map(|own| own.2).chain(self.following.iter().map(|row| row.at.frame));
+        let objects =
+            self.carries.iter().map(|own| own.2).chain(self.following.iter().map(|row| row.at.frame));
         let frames = points.map(|point| point.frame).chain(objects).map(f64::to_bits);
         [self.character as u64, self.rest.len() as u64].into_iter().chain(frames).collect()
     }
@@ -179,13 +183,18 @@ impl Editor {
         let mut rests = group.component.rests.clone();
         rests[place] = variant.rest.clone();
         let mut spaces = vec![self.space(index, rests, self.held_with((variant, &timing.objects), index))?];
-        for other in timing.objects.elsewhere.iter().copied() {
-            let component = &self.spatial[other].component;
-            let mut held: Vec<Prepared> = component.held.iter().map(unbound).collect();
-            timing.objects.place(other, &mut held);
-            spaces.push(self.space(other, component.rests.clone(), held)?);
+        for (other, _) in &timing.objects.elsewhere {
+            spaces.push(self.space_then(*other, timing)?);
         }
         Ok(self.energy_with(variant, timing, &spaces))
+    }
+
+    /// What component `index` comes to with its own paths and objects where they are then.
+    fn space_then(&self, index: usize, timing: &Timing) -> Result<Space, EditError> {
+        let component = &self.spatial[index].component;
+        let mut held: Vec<Prepared> = component.held.iter().map(unbound).collect();
+        timing.objects.place(index, &mut held);
+        self.space(index, component.rests.clone(), held)
     }
 
     /// What component `index` comes to with these paths and rows.
@@ -220,7 +229,7 @@ impl Editor {
         (Exchange { group, component }, response): (&mut Exchange, &GroupResponse),
         most: f64,
     ) -> Option<WhatIf> {
-        if timing.is_entangled() || !timing.objects.elsewhere.is_empty() {
+        if timing.is_entangled() {
             return None;
         }
         component.held.iter_mut().for_each(|prepared| {
@@ -237,7 +246,12 @@ impl Editor {
             return Some(WhatIf::TooMuch);
         }
         let lengths = component.bodies.iter().map(|body| body.length).collect();
-        Some(WhatIf::Energy(self.energy_with(variant, timing, &[space_of(*group, component, lengths)])))
+        let mut spaces = vec![space_of(*group, component, lengths)];
+        let far = timing.objects.elsewhere.iter().filter(|(_, apart)| *apart > NOWHERE_ELSE);
+        for (other, _) in far {
+            spaces.push(self.space_then(*other, timing).ok()?);
+        }
+        Some(WhatIf::Energy(self.energy_with(variant, timing, &spaces)))
     }
 
     /// A lower bound of [`Editor::energy_of`]: exact times; paths that go straight from one place to the next. Cost: by the
