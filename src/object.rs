@@ -121,7 +121,7 @@ impl Course {
     }
 }
 
-/// Pairs of carries that follow each other with the same object, by position in `carries`.
+/// Pairs of carries that follow each other with the same object, by position in `carries`, in the order of the second ones.
 pub fn hand_overs(carries: &[Carry]) -> impl Iterator<Item = (usize, usize)> {
     let mut last: BTreeMap<ObjectId, usize> = BTreeMap::new();
     carries.iter().enumerate().filter_map(move |(next, carry)| Some((last.insert(carry.object, next)?, next)))

@@ -5,25 +5,34 @@
 //! to the second one's); released, it stays there until it is grasped again. What it is rigid to is taken at the grasp
 //! itself, so that its pose is continuous there. Source: Kim et al. 2009, §4.3 (objects).
 
+mod asked;
+mod hands;
+mod possession;
+
+use std::collections::BTreeMap;
+
 use glam::{DQuat, DVec3};
 
 use crate::clip::facing::facing;
 use crate::clip::working::WORKING_STEP;
 use crate::constraint::Moment;
 use crate::geometry::{plan_of, yaw};
-use crate::index::{CharacterId, JointId, ObjectId, floor_index};
+use crate::index::{CharacterId, JointId, ObjectId};
 use crate::limb::Limb;
 use crate::object::{Carry, Course, ObjectPose, hand_overs};
 use crate::scene::Scene;
-use crate::skeleton::{JointFrame, JointRole, Pose, Skeleton};
+use crate::skeleton::{JointFrame, Pose, Skeleton};
 use crate::touch::{Hand, WristPose, arm_of};
+
+use hands::Hands;
+
+pub use asked::Objects;
+pub use hands::{BodyHands, LEAST_WIDTH, hands_stay_apart};
+pub use possession::{Possession, Possessor, possession_before, possessions};
 
 /// Somebody grasps what somebody else still has: so much is taken for rounding of soft times, and the second has it then,
 /// seconds.
 pub const HAND_OVER: f64 = WORKING_STEP;
-
-/// Hands that come nearer to each other than this, seen from above, tell no heading, metres.
-const LEAST_WIDTH: f64 = 0.05;
 
 /// Moments this near are one, seconds.
 const SAME_MOMENT: f64 = 1e-9;
@@ -38,6 +47,19 @@ pub trait Performance {
 
     /// Pose at a fractional frame of a character's track.
     fn pose(&self, who: CharacterId, frame: f64) -> Pose;
+
+    /// The hands at a fractional frame of a character's track, who has some.
+    fn hands(&self, scene: &Scene, who: CharacterId, frame: f64) -> BodyHands {
+        BodyHands::of(skeleton_of(scene, who), &self.pose(who, frame))
+    }
+
+    /// Whether hands tell the heading of what they carry, from one frame of the track of whoever says when to another.
+    fn tells_heading(&self, scene: &Scene, carry: usize, frames: [f64; 2]) -> bool
+    where
+        Self: Sized,
+    {
+        hands_stay_apart(scene, self, carry, frames)
+    }
 }
 
 /// Everybody as before the edit: all tracks start at scene time 0.
@@ -156,67 +178,81 @@ pub struct TwoLoads {
     pub overlap: Overlap,
 }
 
-/// The first carry that asks for the hands of somebody who still carries something else, if any. Cost: quadratic in carries.
+/// The first carry that asks for the hands of somebody who still carries something else, if any. Cost: linear in carries, but for
+/// those of one character.
 pub fn two_loads(scene: &Scene, performance: &impl Performance) -> Option<TwoLoads> {
-    let carries = &scene.carries;
-    let during = |carry: &Carry| {
-        [&carry.during.0, &carry.during.1].map(|moment| moment_time(scene, performance, moment))
-    };
-    let times: Vec<[f64; 2]> = carries.iter().map(during).collect();
-    let pairs = (0..carries.len()).flat_map(|second| (0..second).map(move |first| (first, second)));
-    let mut different = pairs.filter(|(first, second)| carries[*first].object != carries[*second].object);
-    different.find_map(|(first, second)| {
-        let shared = carries[first].by.iter().find(|who| carries[second].by.contains(who))?;
-        let [[grasp, release], [begins, ends]] = [times[first], times[second]];
-        let seconds = release.min(ends) - grasp.max(begins);
-        let overlap = Overlap { first, second, seconds };
-        (seconds > HAND_OVER).then_some(TwoLoads { character: *shared, overlap })
-    })
+    let mut of: BTreeMap<CharacterId, Vec<(usize, [f64; 2])>> = BTreeMap::new();
+    for (index, carry) in scene.carries.iter().enumerate() {
+        let during = [&carry.during.0, &carry.during.1].map(|moment| moment_time(scene, performance, moment));
+        carry.by.iter().for_each(|who| of.entry(*who).or_default().push((index, during)));
+    }
+    let clash =
+        |character: CharacterId, (first, own): (usize, [f64; 2]), (second, next): (usize, [f64; 2])| {
+            let seconds = own[1].min(next[1]) - own[0].max(next[0]);
+            let is_clash = scene.carries[first].object != scene.carries[second].object && seconds > HAND_OVER;
+            is_clash.then_some(TwoLoads { character, overlap: Overlap { first, second, seconds } })
+        };
+    let clashes = of.iter().flat_map(|(character, carries)| {
+        let pairs = carries
+            .iter()
+            .enumerate()
+            .flat_map(|(at, next)| carries[..at].iter().map(move |own| (own, next)));
+        pairs.filter_map(|(own, next)| clash(*character, *own, *next))
+    });
+    clashes.min_by_key(|clash| (clash.overlap.second, clash.overlap.first))
 }
 
 /// All objects of a scene along time. Cost: linear in working frames of carries and joints.
 ///
 /// Carries that overlap are cut short where the next begins, in the order of the file; [`overlap`] finds them.
 pub fn object_motions(scene: &Scene, performance: &impl Performance) -> Vec<ObjectMotion> {
-    let itself = Span { from: f64::NEG_INFINITY, to: f64::INFINITY, owner: Owner::Itself };
-    let still = |object| ObjectMotion { object, spans: vec![itself.clone()] };
-    let mut motions: Vec<ObjectMotion> =
-        (0..scene.objects.len()).map(ObjectId::from_usize).map(still).collect();
+    let mut carries: Vec<Vec<usize>> = vec![Vec::new(); scene.objects.len()];
     for (index, carry) in scene.carries.iter().enumerate() {
-        let [grasp, release] =
-            [&carry.during.0, &carry.during.1].map(|moment| moment_time(scene, performance, moment));
-        motions[carry.object.as_usize()].grasp(scene, performance, (index, grasp, release));
+        carries[carry.object.as_usize()].push(index);
     }
-    motions
+    let ids = (0..scene.objects.len()).map(ObjectId::from_usize);
+    let motion = |(object, own): (ObjectId, Vec<usize>)| {
+        motion_of((scene, performance), object, &carry_times(scene, performance, &own))
+    };
+    ids.zip(carries).map(motion).collect()
+}
+
+/// Carries, by position in the scene, with the times of their grasps and releases.
+fn carry_times(scene: &Scene, performance: &impl Performance, carries: &[usize]) -> Vec<(usize, [f64; 2])> {
+    let times = |carry: &usize| {
+        let (grasp, release) = &scene.carries[*carry].during;
+        (*carry, [grasp, release].map(|moment| moment_time(scene, performance, moment)))
+    };
+    carries.iter().map(times).collect()
+}
+
+/// The motion of one object, whose carries, by position in [`Scene::carries`] and rising, begin and end at these times.
+fn motion_of(
+    (scene, performance): (&Scene, &impl Performance),
+    object: ObjectId,
+    carries: &[(usize, [f64; 2])],
+) -> ObjectMotion {
+    let mut motion = ObjectMotion { object, spans: Vec::new() };
+    for Possession { from, to, by } in possessions(carries) {
+        let owner = match by {
+            Possessor::Itself => Owner::Itself,
+            Possessor::Carried(carry) => {
+                let pose = motion.pose_in(motion.spans.len() - 1, (scene, performance), from);
+                let known = carries.binary_search_by_key(&carry, |(index, _)| *index);
+                let released = known.map_or(to, |known| carries[known].1[1].max(from));
+                Owner::Carried(Hold::at(scene, performance, (carry, [from, released]), pose))
+            }
+            Possessor::Left(carry) => {
+                let pose = motion.pose_in(motion.spans.len() - 1, (scene, performance), from);
+                Owner::Left { carry, pose }
+            }
+        };
+        motion.spans.push(Span { from, to, owner });
+    }
+    motion
 }
 
 impl ObjectMotion {
-    /// Appends a carry: index, times of grasp and release.
-    fn grasp(
-        &mut self,
-        scene: &Scene,
-        performance: &impl Performance,
-        (index, grasp, release): (usize, f64, f64),
-    ) {
-        // A carry cut short has no stretch after its release: that one goes first.
-        while let Some(last) = self.spans.last()
-            && matches!(last.owner, Owner::Left { .. })
-            && last.from >= grasp
-        {
-            self.spans.pop();
-        }
-        let last = self.spans.len() - 1;
-        let grasp = grasp.max(self.spans[last].from);
-        let release = release.max(grasp);
-        self.spans[last].to = grasp;
-        let pose = self.pose_in(last, (scene, performance), grasp);
-        let hold = Hold::at(scene, performance, (index, [grasp, release]), pose);
-        let left = hold.pose_at(&scene.carries[index], (scene, performance), release);
-        self.spans.push(Span { from: grasp, to: release, owner: Owner::Carried(hold) });
-        let owner = Owner::Left { carry: index, pose: left };
-        self.spans.push(Span { from: release, to: f64::INFINITY, owner });
-    }
-
     fn pose_in(
         &self,
         span: usize,
@@ -240,18 +276,6 @@ impl ObjectMotion {
         &self.spans[self.spans.partition_point(|span| span.from <= seconds).saturating_sub(1)]
     }
 
-    /// The span that holds just before a scene time: at a hand-over the one that ends.
-    pub fn span_before(&self, seconds: f64) -> &Span {
-        let before = |span: &Span| span.from < seconds - SAME_MOMENT;
-        &self.spans[self.spans.partition_point(before).saturating_sub(1)]
-    }
-
-    /// When a carry begins, seconds; −∞ where it never has the object.
-    pub fn grasped(&self, carry: usize) -> f64 {
-        let carried = |span: &&Span| matches!(&span.owner, Owner::Carried(hold) if hold.carry == carry);
-        self.spans.iter().find(carried).map_or(f64::NEG_INFINITY, |span| span.from)
-    }
-
     /// Pose at a scene time. `performance`: the one the motion was made of. Cost: linear in joints.
     pub fn pose_at(&self, scene: &Scene, performance: &impl Performance, seconds: f64) -> ObjectPose {
         let span = self.spans.partition_point(|span| span.from <= seconds).saturating_sub(1);
@@ -268,15 +292,8 @@ impl Hold {
         pose: ObjectPose,
     ) -> Self {
         let carry = &scene.carries[index];
-        // Frame by frame of whoever says when: time may be stretched out of all proportion.
-        let who = carry.during.0.character;
-        let [first, last] = [from, to].map(|seconds| performance.frame(who, seconds));
-        let frames = (0..=floor_index(last - first)).map(|k| first + k as f64).chain([last]);
-        let instants = frames.map(|frame| performance.time(who, frame));
-        let by_hands = instants.map(|seconds| Hands::at(scene, performance, carry, seconds)).all(|hands| {
-            let width = plan_of(hands.across).norm();
-            width >= LEAST_WIDTH
-        });
+        let frames = [from, to].map(|seconds| performance.frame(carry.during.0.character, seconds));
+        let by_hands = performance.tells_heading(scene, index, frames);
         let hands = Hands::at(scene, performance, carry, from);
         let grips = hands.grips.iter().map(|(character, joint, _)| {
             let body = performance.pose(*character, performance.frame(*character, from));
@@ -322,49 +339,6 @@ impl Grip {
 /// A wrist in the axes of an object that is at `pose`.
 pub fn wrist_at(pose: &ObjectPose, wrist: &JointFrame) -> WristPose {
     WristPose { position: pose.local(wrist.position), rotation: yaw(pose.facing).inverse() * wrist.rotation }
-}
-
-/// The hands of everybody who carries an object, at one instant.
-struct Hands {
-    middle: DVec3,
-    /// From left to right.
-    across: DVec3,
-    /// Of the first carrier's body, radians.
-    body: f64,
-    grips: Vec<(CharacterId, JointId, JointFrame)>,
-}
-
-impl Hands {
-    fn at(scene: &Scene, performance: &impl Performance, carry: &Carry, seconds: f64) -> Self {
-        let mut grips = Vec::with_capacity(4);
-        let mut body = None;
-        for who in &carry.by {
-            let skeleton = skeleton_of(scene, *who);
-            let pose = performance.pose(*who, performance.frame(*who, seconds));
-            let frames = skeleton.forward_kinematics(&pose);
-            body = body.or_else(|| Some(heading(skeleton, &frames)));
-            for hand in [JointRole::LeftHand, JointRole::RightHand] {
-                let joint = skeleton.joint_of(hand).expect("who carries in a checked scene has hands");
-                grips.push((*who, joint, frames[joint.as_usize()]));
-            }
-        }
-        let place = |hand: usize| grips[hand].2.position;
-        let (left, right) = match grips.len() {
-            2 => (place(0), place(1)),
-            _ => (place(0).midpoint(place(1)), place(2).midpoint(place(3))),
-        };
-        Self {
-            middle: left.midpoint(right),
-            across: right - left,
-            body: body.expect("somebody carries in a checked scene"),
-            grips,
-        }
-    }
-
-    fn frame(&self, by_hands: bool) -> ObjectPose {
-        let facing = if by_hands { plan_of(self.across).arg() } else { self.body };
-        ObjectPose { position: self.middle, facing }
-    }
 }
 
 /// Skeleton of a character.

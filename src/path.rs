@@ -25,7 +25,7 @@ const COLLAPSED: f64 = 1e-9;
 const BLEND_TANGENTS: (f64, f64) = (0.6 * WORKING_STEP, 1.2 * WORKING_STEP);
 
 /// Rest path of one character: its track on the ground, before the edit.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct RestPath {
     /// Ground position of each working frame, metres.
     pub positions: Vec<c64>,

@@ -24,6 +24,7 @@ use cotillion::resample::resample;
 use cotillion::residual::residuals;
 use cotillion::scene::{ClipFolders, Loaded, Scene, load};
 use cotillion::skeleton::JointRole;
+use cotillion::ties::Ties;
 use glam::DVec3;
 use libtest_mimic::{Arguments, Failed, Trial};
 
@@ -168,7 +169,8 @@ fn edited(scene: &Scene) -> Result<Vec<(String, Vec<u8>)>, Failed> {
 /// Hands are where they hold what they carry, and touch it; those of who hands over and of who takes over do not touch.
 fn hands_hold(scene: &Scene, embodied: &Embodied<'_>) -> Result<(), Failed> {
     let objects = object_motions(scene, &embodied.moved);
-    let stage = Stage { scene, performance: &embodied.moved, objects: &objects };
+    let ties = Ties::of(scene);
+    let stage = Stage { scene, performance: &embodied.moved, objects: &objects, ties: &ties };
     for (carry, miss) in scene.carries.iter().zip(carry_residuals(&stage, embodied)) {
         if miss > REACHED {
             return Err(format!("hands are {miss} m from where \"{}\" holds", carry.name).into());

@@ -193,7 +193,7 @@ impl DiscreteEditor {
             self.search = Some(search);
             return changed;
         }
-        self.editor.solve()?;
+        self.solve()?;
         let before = self.energy().total;
         self.propose();
         let Some(candidate) = self.choose(before) else { return Ok(false) };
@@ -206,6 +206,16 @@ impl DiscreteEditor {
         Ok(self.take(&candidate, (before, occasion)))
     }
 
+    /// Solves for the present targets.
+    fn solve(&mut self) -> Result<(), EditError> {
+        let regrouped = self.editor.regrouped();
+        let solved = self.editor.solve().map(|_| ());
+        if self.editor.regrouped() != regrouped {
+            self.forget_systems();
+        }
+        solved
+    }
+
     /// Makes a change if it is worth it; whether it was made.
     fn take(&mut self, candidate: &Candidate, (before, occasion): (f64, Occasion)) -> bool {
         let Candidate { character, splice, keep, .. } = candidate;
@@ -213,6 +223,7 @@ impl DiscreteEditor {
         let track = self.editor.scene().characters[character.as_usize()].track.clone();
         let Some(scene) = spliced(self.editor.scene(), *character, splice, *keep) else { return false };
         let Ok(mut next) = Editor::of(scene, self.settings.backend) else { return false };
+        next.adopt_bodies(&self.editor, *character);
         if next.solve().is_err() {
             return false;
         }

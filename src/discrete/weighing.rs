@@ -104,10 +104,10 @@ impl<'a> Weighing<'a> {
     pub fn estimate(&self, proposal: &Proposal, bound: f64, most: f64) -> Option<f64> {
         let variant = self.variant(proposal)?;
         let timing = self.timing(variant);
-        let timing = timing.get()?.as_ref()?;
+        let timing = timing.get()?.as_ref().filter(|timing| !timing.is_entangled())?;
         let who = proposal.candidate.character;
         let response = self.responses[who.as_usize()].get_or_init(|| self.editor.response(who)).as_ref()?;
-        let make = || self.editor.exchange(variant, response);
+        let make = || self.editor.exchange((variant, timing), response);
         let estimate = |exchange: &mut Exchange| {
             self.editor.energy_if((variant, timing), (exchange, response), most - bound)
         };
@@ -146,16 +146,17 @@ impl<'a> Weighing<'a> {
         Some(energy.with_turns(self.turns(proposal)).total)
     }
 
-    /// Ê; `None` where there is no solution. Solves the groups that the character is in; all where objects move.
+    /// Ê; `None` where there is no solution. Solves the groups that the character is in; all where these depend on each other.
     pub fn energy(&self, proposal: &Proposal) -> Option<f64> {
         let Candidate { character, splice, keep, .. } = &proposal.candidate;
-        let energy = if self.editor.is_separable() {
-            let variant = self.variant(proposal)?;
-            let timing = self.timing(variant);
-            self.editor.energy_of(variant, timing.get()?.as_ref()?).ok()?
-        } else {
+        let variant = self.variant(proposal)?;
+        let timing = self.timing(variant);
+        let timing = timing.get()?.as_ref()?;
+        let energy = if timing.is_entangled() {
             let scene = spliced(self.editor.scene(), *character, splice, *keep)?;
-            Editor::new(scene).ok()?.solve().ok()?.energy
+            self.editor.energy_entangled(scene, variant, timing).ok()?
+        } else {
+            self.editor.energy_of(variant, timing).ok()?
         };
         Some(energy.with_turns(self.turns(proposal)).total)
     }

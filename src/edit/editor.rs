@@ -1,6 +1,8 @@
 //! The editor: built once per set of constraints, solved many times while targets move.
 
+mod entangled;
 mod moving;
+mod objects;
 mod sampled;
 mod share;
 mod variant;
@@ -10,6 +12,7 @@ use std::ops::Range;
 use rayon::prelude::*;
 
 use crate::constraint::{Constraint, ConstraintKind, Relation, Target};
+use crate::edit::carrying::HandsAtRest;
 use crate::edit::energy::{Energy, Extent, length};
 use crate::edit::error::{EditError, Named};
 use crate::edit::expand::{Following, expand};
@@ -22,11 +25,13 @@ use crate::edit::settings::{Backend, SpatialSettings};
 use crate::edit::spatial::{SpatialComponent, SpatialError};
 use crate::edit::temporal::{TemporalComponent, TemporalError};
 use crate::edit::time_row::StepBounds;
-use crate::index::ConstraintId;
+use crate::index::{CharacterId, ConstraintId};
 use crate::path::RestPath;
 use crate::scene::{Mode, Scene};
 
 use crate::clip::working::WORKING_STEP;
+
+use objects::ObjectTies;
 
 pub use variant::{Exchange, Timing, Variant, WhatIf};
 
@@ -64,6 +69,12 @@ pub struct Editor {
     times: Vec<(usize, usize)>,
     /// Rows relative to objects that move, each with what it binds at present.
     following: Vec<(Following, Hold)>,
+    /// Of each of these, whether its place depends on how others move, at the times of the last solve.
+    coupled: Vec<bool>,
+    ties: ObjectTies,
+    hands: HandsAtRest,
+    /// How often spatial components were formed anew.
+    regrouped: u64,
     settings: SpatialSettings,
     backend: Backend,
 }
@@ -99,8 +110,32 @@ impl Editor {
         let characters = rests.into_iter().map(EditedCharacter::at_rest);
         let edit = Edit { characters: characters.collect(), energy: Energy::default(), notes: Vec::new() };
         let extents = edit.characters.iter().map(extent).collect();
-        let following = expansion.following.iter().map(|row| (*row, expansion.held[row.row].hold)).collect();
-        Self { scene, edit, extents, spatial, temporal, held, times, following, settings, backend }
+        let following: Vec<(Following, Hold)> =
+            expansion.following.iter().map(|row| (*row, expansion.held[row.row].hold)).collect();
+        let mut ties = ObjectTies::new(&scene, (&spatial, &temporal), &following);
+        ties.regroup(&spatial, &held, &following);
+        let (coupled, hands) = (vec![false; following.len()], HandsAtRest::new(scene.characters.len()));
+        Self {
+            scene,
+            edit,
+            extents,
+            spatial,
+            temporal,
+            held,
+            times,
+            following,
+            coupled,
+            ties,
+            hands,
+            regrouped: 0,
+            settings,
+            backend,
+        }
+    }
+
+    /// Takes over what `other` knows of bodies: an editor of a scene in which nobody but `changed` has another track.
+    pub fn adopt_bodies(&mut self, other: &Self, changed: CharacterId) {
+        self.hands.adopt(&other.hands, changed);
     }
 
     /// The second half of [`Editor::new`]; [`Editor::solve`] does it where it was not done.
@@ -132,6 +167,11 @@ impl Editor {
     /// The scene, with its targets as they are now.
     pub fn scene(&self) -> &Scene {
         &self.scene
+    }
+
+    /// How often solves have formed other groups of characters: what is known of the present systems holds as long as it stays.
+    pub fn regrouped(&self) -> u64 {
+        self.regrouped
     }
 
     /// Scene and result, without what solves them.
@@ -217,16 +257,17 @@ impl Editor {
             self.solve_space()?;
             self.take_times();
         } else {
-            let before = self.edit.characters.clone();
+            let timed = self.ties.timed(&self.temporal, &self.following);
+            let taken: Vec<bool> = self.temporal.iter().map(|group| group.stale).collect();
             self.take_times();
-            if let Err(error) = self.solve_with_objects() {
-                self.edit.characters = before;
+            if let Err(error) = self.solve_with_objects(&timed) {
+                self.give_times_back(&taken);
                 self.temporal.iter_mut().for_each(|group| group.stale = true);
                 self.spatial.iter_mut().for_each(|group| group.stale = true);
                 return Err(error);
             }
         }
-        self.take_paths();
+        self.take_paths(|_| true);
         self.update_energy();
         self.edit.notes = self.notes();
         Ok(&self.edit)
@@ -251,9 +292,18 @@ impl Editor {
         }
     }
 
-    /// Exchanges stale paths for those of their components, once all are solved.
-    fn take_paths(&mut self) {
-        for group in self.spatial.iter_mut().filter(|group| group.stale) {
+    /// Undoes [`Editor::take_times`] for the components in which times were taken.
+    fn give_times_back(&mut self, taken: &[bool]) {
+        for (group, _) in self.temporal.iter_mut().zip(taken).filter(|(_, taken)| **taken) {
+            for (times, character) in group.component.times.iter_mut().zip(&group.characters) {
+                std::mem::swap(&mut self.edit.characters[*character].times, times);
+            }
+        }
+    }
+
+    /// Exchanges stale paths for those of their components, once all are solved: of components of `wanted` first characters.
+    fn take_paths(&mut self, wanted: impl Fn(usize) -> bool) {
+        for group in self.spatial.iter_mut().filter(|group| group.stale && wanted(group.characters[0])) {
             let SpatialComponent { edited, bodies, .. } = &mut group.component;
             for ((edited, body), character) in edited.iter_mut().zip(bodies).zip(&group.characters) {
                 let own = &mut self.edit.characters[*character];

@@ -8,7 +8,7 @@ use crate::edit::time_row::{TimePoint, TimeRow};
 use crate::geometry::{c64, cis, plan_of};
 use crate::index::{CharacterId, ConstraintId, ObjectId};
 use crate::object::ObjectPose;
-use crate::object_motion::{AtRest, ObjectMotion, Performance, object_motions};
+use crate::object_motion::{AtRest, Objects, Performance};
 use crate::path::{self, RestPath};
 use crate::scene::Scene;
 
@@ -31,6 +31,8 @@ pub struct Expansion {
 pub struct Following {
     /// Position in [`Expansion::held`].
     pub row: usize,
+    /// Whose row it is.
+    pub constraint: ConstraintId,
     /// Which object.
     pub object: ObjectId,
     /// Who and when.
@@ -59,8 +61,8 @@ pub fn expand_some(
     rests: &[&RestPath],
     wanted: impl Fn(&ConstraintKind) -> bool,
 ) -> Expansion {
-    let objects = object_motions(scene, &AtRest(scene));
-    let rest = Rest { scene, rests, objects: &objects };
+    let performance = AtRest(scene);
+    let rest = Rest { scene, rests, objects: Objects::new(scene, &performance, &[]) };
     let mut expansion = Expansion { times: expand_times(scene, &wanted), ..Expansion::default() };
     let constraints = scene.constraints.iter().enumerate().filter(|(_, constraint)| wanted(&constraint.kind));
     for (index, Constraint { strength, kind, .. }) in constraints {
@@ -69,6 +71,7 @@ pub fn expand_some(
             let row = expansion.held.len();
             expansion.following.extend(follows.map(|(object, before)| Following {
                 row,
+                constraint,
                 object,
                 at: hold.at(),
                 before,
@@ -99,7 +102,7 @@ pub fn expand_times(scene: &Scene, wanted: impl Fn(&ConstraintKind) -> bool) -> 
 struct Rest<'a> {
     scene: &'a Scene,
     rests: &'a [&'a RestPath],
-    objects: &'a [ObjectMotion],
+    objects: Objects<'a, AtRest<'a>>,
 }
 
 /// What is held at one instant.
@@ -181,9 +184,9 @@ fn shares(samples: &[PairSample<'_>]) -> Vec<f64> {
 
 /// What the constraints of `scene` that ask for what was before the edit have now. Cost: that of [`expand`].
 pub fn capture(scene: &Scene, rests: &[RestPath]) -> BTreeMap<ConstraintId, Captured> {
-    let objects = object_motions(scene, &AtRest(scene));
     let rests: &[&RestPath] = &rests.iter().collect::<Vec<_>>();
-    let rest = Rest { scene, rests, objects: &objects };
+    let performance = AtRest(scene);
+    let rest = Rest { scene, rests, objects: Objects::new(scene, &performance, &[]) };
     let mut all = BTreeMap::new();
     for (index, constraint) in scene.constraints.iter().enumerate() {
         let ConstraintKind::Relative { when, partner, offset, facing } = &constraint.kind else { continue };
@@ -209,9 +212,8 @@ pub fn capture(scene: &Scene, rests: &[RestPath]) -> BTreeMap<ConstraintId, Capt
 
 /// Pose of an object before the edit at the time of a place, and offset and facing of the place relative to it.
 fn beside_object(rest: &Rest<'_>, at: Place, object: ObjectId) -> (ObjectPose, (c64, f64)) {
-    let performance = AtRest(rest.scene);
-    let seconds = performance.time(CharacterId::from_usize(at.path), at.frame);
-    let pose = rest.objects[object.as_usize()].pose_at(rest.scene, &performance, seconds);
+    let seconds = AtRest(rest.scene).time(CharacterId::from_usize(at.path), at.frame);
+    let pose = rest.objects.pose_at(object, seconds);
     let offset = (rest_point(rest.rests, at) - pose.plan()) * cis(-pose.facing);
     (pose, (offset, at.heading - pose.facing))
 }
@@ -223,8 +225,14 @@ fn object_holds(
     object: ObjectId,
     (offset, facing): (Relation<c64>, Relation<f64>),
 ) -> [Option<(Hold, Wanted)>; 2] {
-    let (pose, found) = beside_object(rest, at, object);
-    let (before, turned) = known.unwrap_or(found);
+    let asked = known.is_none() && (offset == Relation::AsBefore || facing == Relation::AsBefore);
+    let (pose, (before, turned)) = if asked || !rest.scene.moves(object) {
+        let (pose, found) = beside_object(rest, at, object);
+        (pose, known.unwrap_or(found))
+    } else {
+        // Where it is then, solves tell.
+        (ObjectPose::default(), known.unwrap_or_default())
+    };
     let position = value(offset, before).map(|offset| Hold::Position { at, target: pose.beside(offset) });
     let heading = value(facing, turned).map(|angle| Hold::Facing { at, heading: pose.facing + angle });
     [position.map(|hold| (hold, Wanted::Offset(before))), heading.map(|hold| (hold, Wanted::Facing(turned)))]

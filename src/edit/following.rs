@@ -20,7 +20,7 @@ use crate::edit::moved::Moved;
 use crate::geometry::{c64, wrap};
 use crate::index::CharacterId;
 use crate::object::ObjectPose;
-use crate::object_motion::{ObjectMotion, Owner, Performance};
+use crate::object_motion::{ObjectMotion, Objects, Performance, Possessor};
 use crate::path;
 
 /// A row that its own subject would have to satisfy by carrying the object differently.
@@ -70,38 +70,37 @@ fn time_of_row(moved: &Moved<'_>, following: &Following) -> f64 {
 /// [`OwnLoad`] where the carrier is the one whom the row holds.
 pub fn follow(
     moved: &Moved<'_>,
-    motions: &[ObjectMotion],
+    objects: &Objects<'_, impl Performance>,
     following: &Following,
     wanted: Wanted,
 ) -> Result<Hold, OwnLoad> {
-    let motion = &motions[following.object.as_usize()];
-    let pose = object_pose(moved, motions, following);
-    let seconds = time_of_row(moved, following);
-    let span = motion.span_before(seconds);
-    let (carry, seconds) = match &span.owner {
-        Owner::Itself => return Ok(in_the_world(following, wanted, pose)),
-        Owner::Carried(hold) => (hold.carry, seconds),
-        Owner::Left { carry, .. } => (*carry, span.from),
+    let (object, seconds) = (following.object, time_of_row(moved, following));
+    let had = objects.possession_before(object, seconds);
+    let in_the_world = || in_the_world(following, wanted, objects.pose_at(object, seconds));
+    let (carry, until) = match had.by {
+        Possessor::Itself => return Ok(in_the_world()),
+        Possessor::Carried(carry) => (carry, seconds),
+        Possessor::Left(carry) => (carry, had.from),
     };
     let carriers = &moved.scene.carries[carry].by;
     let other = carriers.iter().find(|who| who.as_usize() != following.at.path);
-    let carrier = match (other, &span.owner) {
+    let carrier = match (other, had.by) {
         (Some(other), _) => *other,
-        (None, Owner::Left { .. }) => carriers[0],
+        (None, Possessor::Left(_)) => carriers[0],
         (None, _) => return Err(OwnLoad { carry }),
     };
     let Wanted::Offset(offset) = wanted else {
-        return Ok(in_the_world(following, wanted, pose));
+        return Ok(in_the_world());
     };
-    let grasp = motion.grasped(carry).min(seconds);
+    let grasp = objects.grasped(object, carry).min(until);
     let on_path = |seconds: f64| {
         let path = carrier.as_usize();
         let place =
             Place { path, frame: moved.frame(carrier, seconds), heading: 0.0, detail: c64::default() };
         (place, path::at(&moved.characters[path].positions, place.frame))
     };
-    let ((to, there), (from, then)) = (on_path(seconds), on_path(grasp));
-    let target = pose.beside(offset) - (there - then);
+    let ((to, there), (from, then)) = (on_path(until), on_path(grasp));
+    let target = objects.pose_at(object, seconds).beside(offset) - (there - then);
     Ok(Hold::Beside { at: following.at, to, from, target })
 }
 

@@ -1,5 +1,7 @@
 //! Connected groups of characters: each is solved by itself, so that nobody is affected by the edits of strangers.
 
+use std::borrow::Borrow;
+
 use rayon::prelude::*;
 
 use crate::edit::hold::{HeldRow, Prepared};
@@ -23,8 +25,8 @@ pub struct Group<C> {
 }
 
 impl<C> Group<C> {
-    fn new(characters: Vec<usize>, rests: &[RestPath], component: C) -> Self {
-        let frames = characters.iter().map(|character| rests[*character].len()).sum();
+    fn new(characters: Vec<usize>, rests: &[impl Borrow<RestPath>], component: C) -> Self {
+        let frames = characters.iter().map(|character| rests[*character].borrow().len()).sum();
         Self { characters, component, frames, stale: true }
     }
 }
@@ -91,8 +93,19 @@ pub fn spatial_groups(
     settings: SpatialSettings,
     backend: Backend,
 ) -> Grouped<SpatialComponent> {
+    spatial_groups_of((rests, |_| true), held, settings, backend)
+}
+
+/// Those of the characters that are `wanted`, which all rows are on.
+pub fn spatial_groups_of(
+    (rests, wanted): (&[impl Borrow<RestPath> + Sync], impl Fn(usize) -> bool),
+    held: &[HeldRow],
+    settings: SpatialSettings,
+    backend: Backend,
+) -> Grouped<SpatialComponent> {
     let links = held.iter().filter_map(|row| row.hold.partner().map(|to| (row.hold.at().path, to)));
-    let groups = connected(rests.len(), links);
+    let mut groups = connected(rests.len(), links);
+    groups.retain(|group| wanted(group[0]));
     let places = places(&groups, rests.len());
     let mut rows: Vec<Vec<Prepared>> = vec![Vec::new(); groups.len()];
     let mut index = Vec::with_capacity(held.len());
@@ -103,7 +116,7 @@ pub fn spatial_groups(
         rows[group].push(prepared.renumbered(|path| places[path].1));
     }
     let build = |(characters, held): (Vec<usize>, Vec<Prepared>)| {
-        let own = characters.iter().map(|character| rests[*character].clone()).collect();
+        let own = characters.iter().map(|character| rests[*character].borrow().clone()).collect();
         Group::new(characters, rests, SpatialComponent::new(own, held, settings, backend))
     };
     let pairs: Vec<_> = groups.into_iter().zip(rows).collect();

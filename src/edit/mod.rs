@@ -33,6 +33,7 @@ pub mod error;
 pub mod note;
 pub mod expand;
 pub mod retarget;
+pub mod carrying;
 pub mod following;
 pub mod groups;
 pub mod mixing;

@@ -156,6 +156,11 @@ impl Scene {
             || self.carries.iter().any(|carry| carry.object == object)
     }
 
+    /// Carries of an object, by position, rising. Cost: linear in carries.
+    pub fn carries_of(&self, object: ObjectId) -> Vec<usize> {
+        (0..self.carries.len()).filter(|carry| self.carries[*carry].object == object).collect()
+    }
+
     /// Every moment that something names: constraints, carries, end effectors, times of discrete editing, in this order.
     pub fn moments(&self) -> impl Iterator<Item = &Moment> {
         let constraints = self.constraints.iter().flat_map(|constraint| constraint.kind.moments());

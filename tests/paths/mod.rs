@@ -8,23 +8,30 @@ use cotillion::clip::working::WorkingClip;
 use cotillion::constraint::{Constraint, ConstraintKind, Instant, Moment, Strength, When};
 use cotillion::geometry::{c64, world_of, yaw};
 use cotillion::graph::{GraphClip, MotionGraph};
-use cotillion::index::{CharacterId, GraphFrame, SourceFrame};
+use cotillion::index::{CharacterId, GraphFrame, JointId, SourceFrame};
 use cotillion::path::raw_tangents;
 use cotillion::scene::{Character, FullBody, Mode, Scene, Warp};
-use cotillion::skeleton::{Axis, Joint, Pose, Skeleton};
+use cotillion::skeleton::{Axis, Joint, JointRole, Pose, Skeleton};
 use cotillion::track::{SeamRule, Track};
-use glam::DVec3;
+use glam::{DQuat, DVec3};
 
+/// A root with two hands, half a metre ahead of it.
 fn skeleton() -> Arc<Skeleton> {
-    let root = Joint {
-        name: "Hips".to_owned(),
-        parent: None,
-        offset: DVec3::ZERO,
+    let joint = |name: &str, offset: DVec3, role: Option<JointRole>| Joint {
+        name: name.to_owned(),
+        parent: role.map(|_| JointId::from_usize(0)),
+        offset,
         end_site: None,
         rotation_order: [Axis::Z, Axis::X, Axis::Y],
-        role: None,
+        role,
     };
-    Arc::new(Skeleton { joints: vec![root] })
+    let hand = |side: f64| DVec3::new(side, 0.1, 0.5);
+    let joints = vec![
+        joint("Hips", DVec3::ZERO, None),
+        joint("LeftHand", hand(0.2), Some(JointRole::LeftHand)),
+        joint("RightHand", hand(-0.2), Some(JointRole::RightHand)),
+    ];
+    Arc::new(Skeleton { joints })
 }
 
 /// A root that goes along `points`, facing along its tangents; along that of its first frame in the stand.
@@ -36,7 +43,7 @@ pub(crate) fn path_clip(points: &[c64], stand: Option<(usize, usize)>) -> Arc<Wo
     };
     let pose = |(frame, point): (usize, &c64)| Pose {
         root: world_of(*point, 1.0),
-        rotations: vec![yaw(facing(frame) - REST_HEADING)],
+        rotations: vec![yaw(facing(frame) - REST_HEADING), DQuat::IDENTITY, DQuat::IDENTITY],
         offsets: Vec::new(),
     };
     let poses: Vec<Pose> = points.iter().enumerate().map(pose).collect();

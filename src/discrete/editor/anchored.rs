@@ -103,7 +103,7 @@ impl DiscreteEditor {
         search: &mut AnchoredSearch,
         occasion: Occasion,
     ) -> Result<bool, EditError> {
-        let present = self.editor.solve().map(|_| ());
+        let present = self.solve();
         let mut next = self.editor.scene().clone();
         let mut found = Vec::new();
         let most = KEPT_FRAMES / search.groups.len().max(1);

@@ -1,6 +1,9 @@
 //! Solves paths while objects move.
 
+use std::collections::BTreeMap;
+
 use super::{Editor, named};
+use crate::edit::carrying::Carrying;
 use crate::edit::error::{EditError, Named};
 use crate::edit::expand::{Following, expand};
 use crate::edit::facing::Turns;
@@ -8,9 +11,9 @@ use crate::edit::following::{OwnLoad, alike, follow, numbers, step, wanted, with
 use crate::edit::groups::{Group, spatial_groups};
 use crate::edit::hold::Hold;
 use crate::edit::mixing::Mixer;
-use crate::edit::moved::Moved;
-use crate::index::ConstraintId;
-use crate::object_motion::{Overlap, TwoLoads, object_motions, overlap, two_loads};
+use crate::edit::moved::{EditedCharacter, Moved};
+use crate::index::{CharacterId, ConstraintId};
+use crate::object_motion::{Objects, Overlap, Performance, Possessor, TwoLoads, overlap, two_loads};
 use crate::path::RestPath;
 use crate::scene::Scene;
 
@@ -22,10 +25,21 @@ const SETTLED: f64 = 1e-11;
 /// stay if this changes no more.
 const UNSETTLED: f64 = 1e-8;
 
+/// A set of characters whose rows relative to objects do not stay yet.
+#[derive(Default)]
+struct Unsettled {
+    /// These rows, by position in the list of them.
+    rows: Vec<usize>,
+    mixer: Mixer,
+    /// By how much they changed last, metres or radians.
+    apart: f64,
+}
+
 impl Editor {
     /// Solves paths while objects move: keyframed ones are where the times say, and what is held relative to carried ones
-    /// is solved until it stays. It begins from rest, so that the result does not depend on earlier targets.
-    pub(super) fn solve_with_objects(&mut self) -> Result<(), EditError> {
+    /// is solved until it stays. That begins from rest, so that the result does not depend on earlier targets.
+    /// `timed`: of each set of characters that objects tie, whether times that concern it have changed.
+    pub(super) fn solve_with_objects(&mut self, timed: &[bool]) -> Result<(), EditError> {
         let moved = Moved { scene: &self.scene, characters: &self.edit.characters };
         if let Some(Overlap { first, second, seconds }) = overlap(&self.scene, &moved) {
             let [first, second] = [first, second].map(|carry| carry_named(&self.scene, carry));
@@ -40,92 +54,172 @@ impl Editor {
         if self.following.is_empty() {
             return self.solve_space();
         }
-        let carried = |row: &Following| self.scene.carries.iter().any(|carry| carry.object == row.object);
-        let settles = self.following.iter().any(|(row, _)| carried(row));
-        if settles {
-            self.begin_at_rest();
+        self.hands.forget_times();
+        self.solve_tied(timed)
+    }
+
+    /// The same of carries that do not overlap, with rows relative to objects.
+    pub(super) fn solve_tied(&mut self, timed: &[bool]) -> Result<(), EditError> {
+        self.coupled = self.coupled_rows();
+        self.ties.entangle(&self.following, &self.coupled);
+        let (sets, entangled) = (&self.ties.sets, &self.ties.entangled);
+        let mut active = timed.to_vec();
+        for group in self.spatial.iter().filter(|group| group.stale) {
+            active[sets[group.characters[0]]] = true;
         }
-        let rounds = if settles { ROUNDS + 2 * self.following.len() } else { 1 };
-        let (mut mixer, mut apart) = (Mixer::default(), f64::INFINITY);
-        for round in 0..rounds {
-            let read = self.read_objects()?;
-            let settled = if settles && round > 0 { SETTLED } else { 0.0 };
-            apart = self.furthest(&read);
-            if round > 0 && apart <= settled {
-                return Ok(());
+        let settling: Vec<bool> = active.iter().zip(entangled).map(|(active, own)| *active && *own).collect();
+        let of = |(_, set): &(usize, &usize)| settling[**set];
+        let settling_ones = self.ties.sets.iter().enumerate().filter(of);
+        let before: Vec<(usize, EditedCharacter)> =
+            settling_ones.map(|(who, _)| (who, self.edit.characters[who].clone())).collect();
+        let solved = self.solve_sets(&active, &settling);
+        if solved.is_err() {
+            before.into_iter().for_each(|(who, own)| self.edit.characters[who] = own);
+        }
+        solved
+    }
+
+    /// Solves sets of characters that are `active`; those that are `settling`, from rest until they stay.
+    fn solve_sets(&mut self, active: &[bool], settling: &[bool]) -> Result<(), EditError> {
+        self.begin_at_rest(settling);
+        let rows = self.rows_of(|set| active[set]);
+        self.place(&rows)?;
+        self.solve_space()?;
+        let mut sets = BTreeMap::<usize, Unsettled>::new();
+        for row in self.rows_of(|set| settling[set]) {
+            sets.entry(self.ties.sets[self.following[row].0.at.path]).or_default().rows.push(row);
+        }
+        let settles: Vec<bool> = self.ties.sets.iter().map(|set| settling[*set]).collect();
+        self.settle(sets.into_values().collect(), |who| settles[who])
+    }
+
+    /// Places rows relative to objects as these are on the present paths, whatever the rows bind.
+    fn place(&mut self, rows: &[usize]) -> Result<(), EditError> {
+        let read = self.read_objects(rows)?;
+        if self.furthest(rows, &read).is_finite() {
+            self.renumber(rows, &read);
+            return Ok(());
+        }
+        let mut all: Vec<Hold> = self.following.iter().map(|(_, hold)| *hold).collect();
+        rows.iter().zip(read).for_each(|(row, read)| all[*row] = read);
+        self.rebuild(all);
+        Ok(())
+    }
+
+    /// Solves until all sets stay, each by itself; their rows were placed on paths at rest and solved once. `settles`: whether a
+    /// character is in one of them.
+    fn settle(&mut self, mut sets: Vec<Unsettled>, settles: impl Fn(usize) -> bool) -> Result<(), EditError> {
+        for round in 1.. {
+            self.take_paths(&settles);
+            let mut failure = None;
+            sets.retain_mut(|set| match self.mix(set, round) {
+                Ok(goes_on) => goes_on,
+                Err(error) => {
+                    failure.get_or_insert(error);
+                    false
+                }
+            });
+            if let Some(error) = failure {
+                return Err(error);
             }
-            if apart.is_infinite() {
-                self.rebuild(read);
-                mixer = Mixer::default();
-            } else if round == 0 {
-                // What was read at rest is no answer to the present numbers.
-                self.renumber(&read);
-            } else {
-                let present: Vec<f64> = self.following.iter().flat_map(|(_, hold)| numbers(hold)).collect();
-                let pairs = self.following.iter().zip(&read);
-                let steps: Vec<f64> = pairs.flat_map(|((_, old), new)| step(old, new)).collect();
-                let mixed = mixer.next(&present, &steps);
-                let mixed =
-                    mixed.chunks_exact(2).zip(&read).map(|(own, like)| with_numbers(like, [own[0], own[1]]));
-                self.renumber(&mixed.collect::<Vec<_>>());
+            if sets.is_empty() {
+                break;
             }
             match self.solve_space() {
                 // What runs away ends where numbers do, whatever the solver says of it.
-                Err(EditError::Solver { .. }) if round > 0 => {
-                    return Err(EditError::Unsettled(self.followers()));
+                Err(EditError::Solver { .. }) => {
+                    let rows: Vec<usize> = sets.iter().flat_map(|set| set.rows.iter().copied()).collect();
+                    return Err(EditError::Unsettled(self.followers(&rows)));
                 }
                 solved => solved?,
             }
-            if settles {
-                self.take_paths();
-            }
-        }
-        if settles && (apart.is_nan() || apart > UNSETTLED) {
-            return Err(EditError::Unsettled(self.followers()));
         }
         Ok(())
     }
 
+    /// Gives the rows of a set their next numbers; `false` once they stay, or do so well enough after the last attempt.
+    fn mix(
+        &mut self,
+        Unsettled { rows, mixer, apart }: &mut Unsettled,
+        round: usize,
+    ) -> Result<bool, EditError> {
+        if round == ROUNDS + 2 * rows.len() {
+            let stays = *apart <= UNSETTLED;
+            return if stays { Ok(false) } else { Err(EditError::Unsettled(self.followers(rows))) };
+        }
+        let read = self.read_objects(rows)?;
+        *apart = self.furthest(rows, &read);
+        if *apart <= SETTLED {
+            return Ok(false);
+        }
+        let present: Vec<f64> = rows.iter().flat_map(|row| numbers(&self.following[*row].1)).collect();
+        let pairs = rows.iter().zip(&read);
+        let steps: Vec<f64> = pairs.flat_map(|(row, new)| step(&self.following[*row].1, new)).collect();
+        let mixed = mixer.next(&present, &steps);
+        let mixed = mixed.chunks_exact(2).zip(&read).map(|(own, like)| with_numbers(like, [own[0], own[1]]));
+        self.renumber(rows, &mixed.collect::<Vec<_>>());
+        Ok(true)
+    }
+
+    /// Rows relative to objects, by position, whose characters are in a set that is `wanted`.
+    fn rows_of(&self, wanted: impl Fn(usize) -> bool) -> Vec<usize> {
+        let own = |row: &usize| wanted(self.ties.sets[self.following[*row].0.at.path]);
+        (0..self.following.len()).filter(own).collect()
+    }
+
+    /// Of each row relative to an object that moves, whether its place depends on how others move: somebody has had the object.
+    fn coupled_rows(&self) -> Vec<bool> {
+        let moved = Moved { scene: &self.scene, characters: &self.edit.characters };
+        let objects = Objects::new(&self.scene, &moved, &self.ties.carries);
+        let coupled = |(row, _): &(Following, Hold)| {
+            let seconds = moved.time(CharacterId::from_usize(row.at.path), row.at.frame);
+            objects.possession_before(row.object, seconds).by != Possessor::Itself
+        };
+        self.following.iter().map(coupled).collect()
+    }
+
     /// Constraints relative to objects that move, in the order of the scene.
-    fn followers(&self) -> Vec<Named> {
-        let places = self.following.iter().map(|(row, _)| self.held[row.row]);
-        let mut ids: Vec<ConstraintId> =
-            places.map(|(group, row)| self.spatial[group].component.held[row].row.constraint).collect();
+    fn followers(&self, rows: &[usize]) -> Vec<Named> {
+        let mut ids: Vec<ConstraintId> = rows.iter().map(|row| self.following[*row].0.constraint).collect();
         ids.dedup();
         ids.into_iter().map(|id| named(&self.scene, id)).collect()
     }
 
-    fn begin_at_rest(&mut self) {
-        for character in &mut self.edit.characters {
+    /// Whoever is in one of these sets is at rest again.
+    fn begin_at_rest(&mut self, settling: &[bool]) {
+        let sets = &self.ties.sets;
+        for (character, _) in self.edit.characters.iter_mut().zip(sets).filter(|(_, set)| settling[**set]) {
             character.positions.copy_from_slice(&character.rest.positions);
             let Turns { along_path, corrections, flips } = &mut character.turns;
             along_path.fill(0.0);
             corrections.clear();
             flips.clear();
         }
-        self.spatial.iter_mut().for_each(|group| group.stale = true);
+        self.spatial.iter_mut().for_each(|group| group.stale |= settling[sets[group.characters[0]]]);
     }
 
     /// Rows relative to objects that move as these are on the present paths.
-    fn read_objects(&self) -> Result<Vec<Hold>, EditError> {
+    pub(super) fn read_objects(&self, rows: &[usize]) -> Result<Vec<Hold>, EditError> {
         let moved = Moved { scene: &self.scene, characters: &self.edit.characters };
-        let motions = object_motions(&self.scene, &moved);
-        let read = |(row, _): &(Following, Hold)| {
-            let (group, place) = self.held[row.row];
-            let constraint = self.spatial[group].component.held[place].row.constraint;
+        let performance = Carrying { moved, hands: &self.hands };
+        let objects = Objects::new(&self.scene, &performance, &self.ties.carries);
+        let read = |row: &usize| {
+            let (row, _) = &self.following[*row];
+            let constraint = row.constraint;
             let wanted = wanted(&self.scene.constraints[constraint.as_usize()].kind, row.before);
-            follow(&moved, &motions, row, wanted).map_err(|OwnLoad { carry }| {
+            follow(&moved, &objects, row, wanted).map_err(|OwnLoad { carry }| {
                 let constraint = named(&self.scene, constraint);
                 EditError::OwnLoad { constraint, carry: carry_named(&self.scene, carry) }
             })
         };
-        self.following.iter().map(read).collect()
+        rows.iter().map(read).collect()
     }
 
     /// By how much rows differ from the present ones, metres or radians; infinite where they bind other frames.
-    fn furthest(&self, read: &[Hold]) -> f64 {
-        let pairs = self.following.iter().zip(read);
-        let apart = |((_, old), new): (&(Following, Hold), &Hold)| {
+    fn furthest(&self, rows: &[usize], read: &[Hold]) -> f64 {
+        let pairs = rows.iter().zip(read);
+        let apart = |(row, new): (&usize, &Hold)| {
+            let (_, old) = &self.following[*row];
             if alike(old, new) {
                 step(old, new).into_iter().map(f64::abs).fold(0.0, f64::max)
             } else {
@@ -136,8 +230,12 @@ impl Editor {
     }
 
     /// Gives rows relative to objects that move other targets.
-    fn renumber(&mut self, all: &[Hold]) {
-        for ((row, hold), new) in self.following.iter_mut().zip(all).filter(|((_, old), new)| old != *new) {
+    fn renumber(&mut self, rows: &[usize], all: &[Hold]) {
+        for (index, new) in rows.iter().zip(all) {
+            let (row, hold) = &mut self.following[*index];
+            if hold == new {
+                continue;
+            }
             *hold = *new;
             let (group, place) = self.held[row.row];
             let Group { component, stale, .. } = &mut self.spatial[group];
@@ -158,10 +256,12 @@ impl Editor {
             held[row.row].hold = read;
         }
         (self.spatial, self.held) = spatial_groups(&rests, &held, self.settings, self.backend);
+        self.ties.regroup(&self.spatial, &self.held, &self.following);
+        self.regrouped += 1;
     }
 }
 
-fn carry_named(scene: &Scene, carry: usize) -> Named {
+pub(super) fn carry_named(scene: &Scene, carry: usize) -> Named {
     let carry = &scene.carries[carry];
     Named { name: carry.name.clone(), line: carry.line }
 }

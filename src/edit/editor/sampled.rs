@@ -7,6 +7,7 @@
 use cotillion_solvers::SpringPath;
 
 use super::Editor;
+use super::objects::ObjectsThen;
 use super::variant::{Timing, Variant, place_of, space_of};
 use crate::edit::EditError;
 use crate::edit::columns::Freedom;
@@ -37,7 +38,7 @@ impl Editor {
     ) -> Result<Energy, EditError> {
         let (index, place) = place_of(&self.spatial, variant.character).unwrap_or_default();
         let group = &self.spatial[index];
-        let held = self.held_with(variant, group);
+        let held = self.held_with((variant, &ObjectsThen::default()), index);
         let rest_of = |path: usize| if path == place { &variant.rest } else { &group.component.rests[path] };
         let sampling = |(path, who): (usize, &usize)| {
             let starts = self.scene.characters[*who].track.placed_runs().skip(1).map(|(_, start)| start);
@@ -60,10 +61,10 @@ impl Editor {
         let lengths = lengths.map(|((edited, sampling), rest)| stretched(edited, sampling, rest)).collect();
         let space = space_of(index, &component, lengths);
         match timing {
-            Some(timing) => Ok(self.energy_with(variant, timing, &space)),
+            Some(timing) => Ok(self.energy_with(variant, timing, &[space])),
             None => {
                 let timing = self.timing_sampled(variant, (&group.characters, &samplings))?;
-                Ok(self.energy_with(variant, &timing, &space))
+                Ok(self.energy_with(variant, &timing, &[space]))
             }
         }
     }

@@ -1,23 +1,39 @@
 //! What some characters cost by themselves.
 
+use std::collections::BTreeMap;
+
 use super::{Editor, extent};
 use crate::edit::energy::Energy;
+use crate::edit::expand::Following;
 use crate::edit::groups::connected;
 
 impl Editor {
-    /// Characters who are tied to each other by constraints, in space or time, each group and the list of groups rising; all are
-    /// one group where objects move.
+    /// Characters who are tied to each other by constraints, in space or time, or by what they carry, each group and the list of
+    /// groups rising.
     pub fn tied(&self) -> Vec<Vec<usize>> {
         let count = self.scene.characters.len();
-        if !self.is_separable() {
-            return connected(count, (1..count).map(|character| (0, character)));
-        }
+        let by_objects = self.carried_by_some();
         let links = self.scene.constraints.iter().flat_map(|constraint| {
             let all: Vec<usize> =
                 constraint.kind.moments().iter().map(|moment| moment.character.as_usize()).collect();
             all.windows(2).map(|pair| (pair[0], pair[1])).collect::<Vec<_>>()
         });
-        connected(count, links)
+        connected(count, links.chain(by_objects))
+    }
+
+    /// Pairs of characters of whom a place held relative to an object, or who has it when, depends on the other.
+    fn carried_by_some(&self) -> Vec<(usize, usize)> {
+        let mut first = BTreeMap::new();
+        let mut pairs = Vec::new();
+        for carry in &self.scene.carries {
+            let moments = [&carry.during.0, &carry.during.1].map(|moment| moment.character);
+            for who in carry.by.iter().chain(&moments) {
+                pairs.push((*first.entry(carry.object).or_insert(who.as_usize()), who.as_usize()));
+            }
+        }
+        let known = |(row, _): &(Following, _)| Some((row.at.path, *first.get(&row.object)?));
+        pairs.extend(self.following.iter().filter_map(known));
+        pairs
     }
 
     /// Terms of Ê of `members`, who are tied to nobody else, for the last solve. Cost: linear in characters.

@@ -5,7 +5,7 @@ use crate::clip::working::WORKING_STEP;
 use crate::constraint::ConstraintKind;
 use crate::edit::EditError;
 use crate::edit::energy::{Energy, Extent, least_length_cost, length};
-use crate::edit::expand::{Expansion, expand_some, expand_times};
+use crate::edit::expand::{Expansion, Following, expand_some};
 use crate::edit::groups::Group;
 use crate::edit::hold::{Hold, Prepared};
 use crate::edit::phase::weight_of;
@@ -19,10 +19,14 @@ use crate::index::{CharacterId, ConstraintId};
 use crate::path::RestPath;
 use crate::scene::Scene;
 
+use super::objects::ObjectsThen;
 use super::{Editor, solve_times, space_error};
 
 /// Bounds are lowered by this share of the energies they come from, and by as much without units.
 const ROUNDING: f64 = 1e-9;
+
+/// Rows that lie elsewhere by no more than this, metres or radians, do so by the rounding of times.
+const NOWHERE_ELSE: f64 = 1e-13;
 
 /// Another track in place of a character's, with all rows on it. It outlives drags: numbers are read from the scene anew.
 #[derive(Clone, Debug)]
@@ -39,17 +43,25 @@ pub struct Variant {
     constraints: Vec<ConstraintId>,
     /// First frame of each run after a seam.
     pub(super) seams: Vec<usize>,
+    /// Those of the rows that are relative to objects that move.
+    pub(super) following: Vec<Following>,
+    /// Carry, which end, frame of the track: where carries begin and end.
+    pub(super) carries: Vec<(usize, usize, f64)>,
 }
 
 /// Times of the tracks that are tied to a variant.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Timing {
     /// Component.
-    group: usize,
+    pub(super) group: usize,
     /// Its energy, s².
     energy: f64,
     /// Seconds from first to last frame of each of its tracks.
     seconds: Vec<f64>,
+    /// Where objects are then.
+    objects: ObjectsThen,
+    /// The times themselves, where only solving all tells more.
+    pub(super) times: Vec<Vec<f64>>,
 }
 
 /// A group in which somebody performs another track.
@@ -80,13 +92,15 @@ impl Variant {
     /// All that times depend on besides the present targets: variants with the same key are shown at the same times.
     pub fn time_key(&self) -> Vec<u64> {
         let points = self.times.iter().flat_map(|row| [Some(row.at), row.minus]).flatten();
-        let frames = points.map(|point| point.frame.to_bits());
+        let objects =
+            self.carries.iter().map(|own| own.2).chain(self.following.iter().map(|row| row.at.frame));
+        let frames = points.map(|point| point.frame).chain(objects).map(f64::to_bits);
         [self.character as u64, self.rest.len() as u64].into_iter().chain(frames).collect()
     }
 }
 
 impl Editor {
-    /// Whether energies of groups are independent of each other: no object moves.
+    /// Whether no object moves, or none that concerns a solve.
     pub fn is_separable(&self) -> bool {
         self.scene.carries.is_empty() && self.following.is_empty()
     }
@@ -99,22 +113,20 @@ impl Editor {
         let mut rests: Vec<&RestPath> = self.edit.characters.iter().map(|own| &own.rest).collect();
         rests[who] = &rest;
         let names = |kind: &ConstraintKind| kind.moments().iter().any(|moment| moment.character == character);
-        let Expansion { held, times, .. } = match self.is_separable() {
-            true => expand_some(scene, &rests, names),
-            false => Expansion { times: expand_times(scene, names), ..Expansion::default() },
-        };
+        let Expansion { held, times, following } = expand_some(scene, &rests, names);
         let held = held.into_iter().map(|row| Prepared::new(row, &rests, self.settings.baseline)).collect();
         let named = scene.constraints.iter().enumerate().filter(|(_, constraint)| names(&constraint.kind));
         let constraints = named.map(|(index, _)| ConstraintId::from_usize(index)).collect();
         let starts = scene.characters[who].track.placed_runs().skip(1).map(|(_, start)| start);
         let seams = starts.collect();
-        Variant { character: who, rest, held, times, constraints, seams }
+        let carries = self.ties.moments(scene, character);
+        Variant { character: who, rest, held, times, constraints, seams, following, carries }
     }
 
     /// How the paths of a character's group answer to changes of theirs, for any number of variants; `None` where that cannot
     /// be said beforehand. It holds until systems are factored anew.
     pub fn response(&self, character: CharacterId) -> Option<GroupResponse> {
-        let (group, place) = place_of(&self.spatial, character.as_usize()).filter(|_| self.is_separable())?;
+        let (group, place) = place_of(&self.spatial, character.as_usize())?;
         response(&self.spatial[group].component, place)
     }
 
@@ -153,35 +165,58 @@ impl Editor {
         let mut group = Group { characters, component, frames: *frames, stale: true };
         solve_times(&self.scene, &mut group)?;
         let TemporalComponent { times, energy, .. } = &group.component;
+        let objects = self.objects_then(variant, (index, &group.characters, times))?;
         let seconds = times.iter().map(|times| times[times.len() - 1] - times[0]).collect();
-        Ok(Timing { group: index, energy: energy.0 + energy.1, seconds })
+        let times = if objects.coupled { times.clone() } else { Vec::new() };
+        Ok(Timing { group: index, energy: energy.0 + energy.1, seconds, objects, times })
     }
 
     /// Ê if `variant` were performed, for the targets of the last solve: the same as that of an editor built for it. `timing`:
-    /// its times. Only for scenes in which no object moves.
+    /// its times, which are not [entangled](Timing::is_entangled).
     ///
     /// # Errors
     /// Those of [`Editor::solve`].
     pub fn energy_of(&self, variant: &Variant, timing: &Timing) -> Result<Energy, EditError> {
-        debug_assert!(self.is_separable(), "objects tie groups to each other");
+        debug_assert!(!timing.is_entangled(), "objects tie groups to each other");
         let (index, place) = place_of(&self.spatial, variant.character).unwrap_or_default();
         let group = &self.spatial[index];
         let mut rests = group.component.rests.clone();
         rests[place] = variant.rest.clone();
-        let held = self.held_with(variant, group);
+        let mut spaces = vec![self.space(index, rests, self.held_with((variant, &timing.objects), index))?];
+        for (other, _) in &timing.objects.elsewhere {
+            spaces.push(self.space_then(*other, timing)?);
+        }
+        Ok(self.energy_with(variant, timing, &spaces))
+    }
+
+    /// What component `index` comes to with its own paths and objects where they are then.
+    fn space_then(&self, index: usize, timing: &Timing) -> Result<Space, EditError> {
+        let component = &self.spatial[index].component;
+        let mut held: Vec<Prepared> = component.held.iter().map(unbound).collect();
+        timing.objects.place(index, &mut held);
+        self.space(index, component.rests.clone(), held)
+    }
+
+    /// What component `index` comes to with these paths and rows.
+    fn space(&self, index: usize, rests: Vec<RestPath>, held: Vec<Prepared>) -> Result<Space, EditError> {
         let mut component = SpatialComponent::new(rests, held, self.settings, self.backend);
-        component.solve().map_err(|error| space_error(&self.scene, &group.characters, error))?;
+        let characters = &self.spatial[index].characters;
+        component.solve().map_err(|error| space_error(&self.scene, characters, error))?;
         let lengths = component.bodies.iter().map(|body| body.length).collect();
-        Ok(self.energy_with(variant, timing, &space_of(index, &component, lengths)))
+        Ok(space_of(index, &component, lengths))
     }
 
     /// The group of `variant` with its path exchanged, factored from the present systems; `None` where these do not tell.
     /// `response`: of the character, since systems were last factored; the exchange holds as long. Cost: linear in the frames
     /// of the group, and by the cube of the rows of the path.
-    pub fn exchange(&self, variant: &Variant, response: &GroupResponse) -> Option<Exchange> {
+    pub fn exchange(
+        &self,
+        (variant, timing): (&Variant, &Timing),
+        response: &GroupResponse,
+    ) -> Option<Exchange> {
         let (index, _) = place_of(&self.spatial, variant.character)?;
         let group = &self.spatial[index];
-        let held = self.held_with(variant, group);
+        let held = self.held_with((variant, &timing.objects), index);
         let component = exchanged(&group.component, response, variant.rest.clone(), held)?;
         Some(Exchange { group: index, component })
     }
@@ -194,9 +229,13 @@ impl Editor {
         (Exchange { group, component }, response): (&mut Exchange, &GroupResponse),
         most: f64,
     ) -> Option<WhatIf> {
+        if timing.is_entangled() {
+            return None;
+        }
         component.held.iter_mut().for_each(|prepared| {
             retarget(&mut prepared.row, &self.scene);
         });
+        timing.objects.place(*group, &mut component.held);
         let most = most * WORKING_STEP.powi(3);
         let mut solved = component.solve_below(most).ok()?;
         if solved == Solved::LacksScale {
@@ -207,18 +246,23 @@ impl Editor {
             return Some(WhatIf::TooMuch);
         }
         let lengths = component.bodies.iter().map(|body| body.length).collect();
-        Some(WhatIf::Energy(self.energy_with(variant, timing, &space_of(*group, component, lengths))))
+        let mut spaces = vec![space_of(*group, component, lengths)];
+        let far = timing.objects.elsewhere.iter().filter(|(_, apart)| *apart > NOWHERE_ELSE);
+        for (other, _) in far {
+            spaces.push(self.space_then(*other, timing).ok()?);
+        }
+        Some(WhatIf::Energy(self.energy_with(variant, timing, &spaces)))
     }
 
     /// A lower bound of [`Editor::energy_of`]: exact times; paths that go straight from one place to the next. Cost: by the
     /// rows and the frames of the variant, and the rows of its group.
     pub fn energy_bound(&self, variant: &Variant, timing: &Timing) -> f64 {
-        if !self.is_separable() {
+        if timing.is_entangled() || !timing.objects.elsewhere.is_empty() {
             return self.time_bound(variant, timing);
         }
         let (index, place) = place_of(&self.spatial, variant.character).unwrap_or_default();
         let group = &self.spatial[index];
-        let held = self.held_with(variant, group);
+        let held = self.held_with((variant, &timing.objects), index);
         let mut lengths: Vec<f64> =
             group.characters.iter().map(|tied| self.extents[*tied].length.0).collect();
         lengths[place] = length(&variant.rest.positions);
@@ -233,20 +277,17 @@ impl Editor {
         };
         let length_cost: f64 = lengths.iter().enumerate().map(least).sum();
         let space = Space { group: index, energies: (0.0, 0.0), lengths };
-        let bound = self.energy_with(variant, timing, &space).total + length_cost;
+        let bound = self.energy_with(variant, timing, &[space]).total + length_cost;
         bound - ROUNDING * (1.0 + bound + self.edit.energy.total)
     }
 
     /// A lower bound of what all those cost who are not tied to `character`.
     pub fn energy_of_others(&self, character: CharacterId) -> f64 {
-        if !self.is_separable() {
-            return 0.0;
-        }
         let who = character.as_usize();
         let mut extents = self.extents.clone();
         let mut sums = (0.0, 0.0, 0.0);
-        for Group { characters, component, .. } in &self.spatial {
-            if characters.binary_search(&who).is_ok() {
+        for (Group { characters, component, .. }, concerned) in self.spatial.iter().zip(self.concerned(who)) {
+            if concerned {
                 characters.iter().for_each(|tied| extents[*tied].length = (0.0, 0.0));
             } else {
                 sums.0 += component.energy.shape + component.energy.shape_soft;
@@ -274,7 +315,7 @@ impl Editor {
         bound - ROUNDING * (1.0 + bound)
     }
 
-    fn time_sum(&self, timing: &Timing) -> f64 {
+    pub(super) fn time_sum(&self, timing: &Timing) -> f64 {
         let own = |(index, group): (usize, &Group<TemporalComponent>)| match index == timing.group {
             true => timing.energy,
             false => group.component.energy.0 + group.component.energy.1,
@@ -282,7 +323,7 @@ impl Editor {
         self.temporal.iter().enumerate().map(own).fold(0.0, |sum, energy| sum + energy)
     }
 
-    fn take_seconds(&self, variant: &Variant, timing: &Timing, extents: &mut [Extent]) {
+    pub(super) fn take_seconds(&self, variant: &Variant, timing: &Timing, extents: &mut [Extent]) {
         extents[variant.character].seconds.0 = (variant.rest.len() - 1) as f64 * WORKING_STEP;
         for (character, seconds) in self.temporal[timing.group].characters.iter().zip(&timing.seconds) {
             extents[*character].seconds.1 = *seconds;
@@ -290,26 +331,34 @@ impl Editor {
     }
 
     /// Ê of the variant's groups and all others as they are, summed in the order of [`Editor::solve`].
-    pub(super) fn energy_with(&self, variant: &Variant, timing: &Timing, space: &Space) -> Energy {
+    pub(super) fn energy_with(&self, variant: &Variant, timing: &Timing, spaces: &[Space]) -> Energy {
         let mut extents = self.extents.clone();
         extents[variant.character].length.0 = length(&variant.rest.positions);
-        for (character, length) in self.spatial[space.group].characters.iter().zip(&space.lengths) {
-            extents[*character].length.1 = *length;
+        for Space { group, lengths, .. } in spaces {
+            for (character, length) in self.spatial[*group].characters.iter().zip(lengths) {
+                extents[*character].length.1 = *length;
+            }
         }
         self.take_seconds(variant, timing, &mut extents);
         let mut sums = (0.0, 0.0);
         for (index, group) in self.spatial.iter().enumerate() {
             let energy = group.component.energy;
             let present = (energy.shape + energy.shape_soft, energy.scale + energy.scale_soft);
-            let (shape, scale) = if index == space.group { space.energies } else { present };
+            let then = spaces.iter().find(|space| space.group == index);
+            let (shape, scale) = then.map_or(present, |space| space.energies);
             sums.0 += shape;
             sums.1 += scale;
         }
         Energy::new(sums.0, sums.1, self.time_sum(timing), &extents, self.scene.mode)
     }
 
-    /// Held rows of a group with those of the variant in place of its character's.
-    pub(super) fn held_with(&self, variant: &Variant, group: &Group<SpatialComponent>) -> Vec<Prepared> {
+    /// Held rows of component `index` with those of the variant in place of its character's.
+    pub(super) fn held_with(
+        &self,
+        (variant, objects): (&Variant, &ObjectsThen),
+        index: usize,
+    ) -> Vec<Prepared> {
+        let group = &self.spatial[index];
         let number = |path: usize| group.characters.binary_search(&path).unwrap_or_default();
         let fresh = |prepared: &Prepared| {
             let mut prepared = *prepared;
@@ -318,15 +367,34 @@ impl Editor {
         };
         let mut held: Vec<Prepared> = variant.held.iter().map(fresh).collect();
         let others = group.component.held.iter().filter(|prepared| !variant.binds(prepared.row.constraint));
-        held.extend(others.map(|prepared| Prepared { body_only: false, partner_row: None, ..*prepared }));
+        held.extend(others.map(unbound));
         held.sort_by_key(|prepared| prepared.row.constraint);
+        objects.place(index, &mut held);
         held
     }
 }
 
+/// A row as it was before anything was left to bodies.
+fn unbound(prepared: &Prepared) -> Prepared {
+    Prepared { body_only: false, partner_row: None, ..*prepared }
+}
+
+impl Timing {
+    /// Whether somebody's place depends on how others move who are not in the same component: only solving all of them tells.
+    pub fn is_entangled(&self) -> bool {
+        self.objects.coupled
+    }
+}
+
 impl Variant {
-    fn binds(&self, constraint: ConstraintId) -> bool {
+    pub(super) fn binds(&self, constraint: ConstraintId) -> bool {
         self.constraints.binary_search(&constraint).is_ok()
+    }
+
+    /// Which row of its constraint the row at a place is.
+    pub(super) fn ordinal(&self, place: usize) -> usize {
+        let constraint = self.held[place].row.constraint;
+        place - self.held.partition_point(|prepared| prepared.row.constraint < constraint)
     }
 }
 

@@ -70,7 +70,7 @@ pub(super) fn node(
         state.move_target(*constraint, *target)?;
     }
     let copies = state.copies(state.scene(), &group.members);
-    let failure = state.editor.solve().err();
+    let failure = state.solve().err();
     let (energy, worth) = match failure {
         Some(_) => (f64::INFINITY, f64::INFINITY),
         None => {
