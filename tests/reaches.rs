@@ -17,6 +17,7 @@ use cotillion::reach::{
     effector_targets,
 };
 use cotillion::resample::resample;
+use cotillion::skeleton::JointRole;
 use cotillion::ties::Ties;
 use relay::{RELAY, load, solved};
 use serde_json::Value;
@@ -132,12 +133,15 @@ orientation = [0, 90, 0]
 target = { object = "table", point = [0.0, 0.8, 0.1] }
 "#;
 
+/// Hands meet with arms no straighter than this, share of their length.
+const COMFORTABLE: f64 = 0.95;
+
 fn nobody_corrected<'a>(moved: &'a Moved<'a>) -> Others<'a, Moved<'a>> {
     Others { performance: moved, corrected: &|_| false }
 }
 
 #[test]
-fn hands_that_meet_do_so_in_the_middle() {
+fn hands_that_meet_do_so_where_both_arms_reach_or_come_as_near() {
     let (scene, edit) = solved(SLAP);
     let moved = Moved { scene: &scene, characters: &edit.characters };
     let objects = object_motions(&scene, &moved);
@@ -159,7 +163,18 @@ fn hands_that_meet_do_so_in_the_middle() {
         })
     });
     let [own, theirs] = hands.next().expect("one moment");
-    assert!(ann.positions[0].distance(own.midpoint(theirs)) < ROUNDING);
+    let beyond = [CharacterId(0), CharacterId(1)].map(|who| {
+        let skeleton = &scene.characters[who.as_usize()].track.clips[0].clip.skeleton;
+        let time = moment_time(&scene, &moved, scene.end_effectors[0].when.moments()[0]);
+        let frames = skeleton.forward_kinematics(&moved.pose(who, moved.frame(who, time)));
+        let arm = [JointRole::RightShoulder, JointRole::RightElbow, JointRole::RightHand].map(|role| {
+            frames[skeleton.joint_of(role).expect("generated bodies have arms").as_usize()].position
+        });
+        let length = arm[0].distance(arm[1]) + arm[1].distance(arm[2]);
+        ann.positions[0].distance(arm[0]) - COMFORTABLE * length
+    });
+    assert!(beyond[0] > 0.05, "they stand 1.2 m apart: {beyond:?}");
+    assert!((beyond[0] - beyond[1]).abs() < ROUNDING, "both come as near: {beyond:?}");
     let missed = effector_residuals(&stage, &moved);
     assert!((missed[0].metres - own.distance(theirs)).abs() < ROUNDING);
     assert_eq!(ann.rotations.len(), 1);

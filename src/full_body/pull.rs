@@ -18,8 +18,8 @@ pub const FREE: f64 = 0.5;
 /// Nobody is pulled farther, metres: as far as the widest lunge.
 pub const FARTHEST: f64 = 0.8;
 
-/// Faster than this no pull comes and goes by itself, m/s: a brisk walk.
-pub const FASTEST: f64 = 1.5;
+/// Faster than this no pull comes and goes by itself, m/s: lunges for what is in reach take 2 m/s.
+pub const FASTEST: f64 = 3.0;
 
 /// Seconds in which less of a pull is done before and after it would be too fast.
 const WINDOW: f64 = 3.0 * FADE;
