@@ -12,11 +12,10 @@ use crate::effector::{EffectorTarget, EndEffector, Orientation};
 use crate::geometry::{log, yaw};
 use crate::index::{CharacterId, JointId};
 use crate::object_motion::{
-    AtRest, ObjectMotion, Owner, Performance, moment_time, object_motions, skeleton_of, wrist_at,
+    AtRest, ObjectMotion, Owner, Performance, moment_time, object_motions, skeleton_of,
 };
 use crate::scene::Scene;
 use crate::skeleton::{JointFrame, JointRole};
-use crate::touch::Hand;
 
 /// Samples this near to a moment are at it, seconds.
 const AT_MOMENT: f64 = 1e-7;
@@ -213,11 +212,8 @@ pub fn carry_residuals<P: Performance>(stage: &Stage<'_, P>, result: &impl Perfo
         for grip in &hold.grips {
             for time in samples(stage, [span.from, span.to], grip.character) {
                 let pose = motion.pose_at(stage.scene, stage.performance, time);
-                let size = stage.scene.objects[motion.object.as_usize()].size;
-                let frames = joints_at((stage.scene, result), grip.character, time);
-                let wrist = wrist_at(&pose, &frames[grip.joint.as_usize()]);
-                let hand = Hand::of(skeleton_of(stage.scene, grip.character), &frames, grip.joint);
-                let miss = wrist.position.distance(grip.point).max(hand.distance(size, &wrist));
+                let body = result.pose(grip.character, result.frame(grip.character, time));
+                let miss = grip.miss((stage.scene, motion.object), &body, &pose);
                 let own = &mut worst[hold.carry];
                 *own = own.max(miss);
             }
@@ -265,16 +261,8 @@ fn joint_at(
     joint: JointId,
     time: f64,
 ) -> JointFrame {
-    joints_at((scene, performance), who, time)[joint.as_usize()]
-}
-
-fn joints_at(
-    (scene, performance): (&Scene, &impl Performance),
-    who: CharacterId,
-    time: f64,
-) -> Vec<JointFrame> {
     let pose = performance.pose(who, performance.frame(who, time));
-    skeleton_of(scene, who).forward_kinematics(&pose)
+    skeleton_of(scene, who).forward_kinematics(&pose)[joint.as_usize()]
 }
 
 /// The time of `other` that goes with a time of `when`: at the same share of the frames of an interval.
