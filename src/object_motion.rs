@@ -334,10 +334,21 @@ impl Grip {
             Hand::of(skeleton, &frames, joint).touching(size, arm.as_ref(), &wrist);
         Self { character, joint, point: position, rotation }
     }
+
+    /// How far the hand of somebody who is as in `body` is from where it holds an object that is at `pose`, or its nearest point
+    /// from the object, whichever is more, metres. Cost: linear in joints.
+    pub fn miss(&self, (scene, object): (&Scene, ObjectId), body: &Pose, pose: &ObjectPose) -> f64 {
+        let skeleton = skeleton_of(scene, self.character);
+        let frames = skeleton.forward_kinematics(body);
+        let wrist = wrist_at(pose, &frames[self.joint.as_usize()]);
+        let size = scene.objects[object.as_usize()].size;
+        let off = Hand::of(skeleton, &frames, self.joint).distance(size, &wrist);
+        off.max(wrist.position.distance(self.point))
+    }
 }
 
 /// A wrist in the axes of an object that is at `pose`.
-pub fn wrist_at(pose: &ObjectPose, wrist: &JointFrame) -> WristPose {
+fn wrist_at(pose: &ObjectPose, wrist: &JointFrame) -> WristPose {
     WristPose { position: pose.local(wrist.position), rotation: yaw(pose.facing).inverse() * wrist.rotation }
 }
 

@@ -230,16 +230,8 @@ fn joint_at(
     joint: JointId,
     time: f64,
 ) -> JointFrame {
-    joints_at((scene, performance), who, time)[joint.as_usize()]
-}
-
-fn joints_at(
-    (scene, performance): (&Scene, &impl Performance),
-    who: CharacterId,
-    time: f64,
-) -> Vec<JointFrame> {
     let pose = performance.pose(who, performance.frame(who, time));
-    skeleton_of(scene, who).forward_kinematics(&pose)
+    skeleton_of(scene, who).forward_kinematics(&pose)[joint.as_usize()]
 }
 
 /// The time of `other` that goes with a time of `when`: at the same share of the frames of an interval.

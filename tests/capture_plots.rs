@@ -139,7 +139,7 @@ impl Played<'_> {
     }
 
     /// Distance from a box to the nearest point of a hand: of its bones, from the wrist to all finger tips.
-    fn from_hand(
+    fn hand_distance(
         &self,
         (who, hand): (CharacterId, JointRole),
         (object, size): (ObjectId, [f64; 3]),
@@ -343,7 +343,7 @@ fn hands(played: &Played<'_>) -> Result<(), Failed> {
             for time in &times {
                 let slip = on_beam(*time).distance(held);
                 ensure(slip < TOUCH, || format!("{name}'s wrist slips by {slip} m at {time} s"))?;
-                let off = played.from_hand((who, hand), (beam, size), *time);
+                let off = played.hand_distance((who, hand), (beam, size), *time);
                 ensure(off < TOUCHING, || format!("{name}'s hand is {off} m from the beam at {time} s"))?;
                 let bend = played.wrist_bend((who, hand), *time);
                 ensure(bend < WRIST, || format!("{name}'s wrist is bent by {bend} degrees at {time} s"))?;

@@ -1,10 +1,9 @@
 //! By how much a motion misses what joints must reach.
 
-use super::{Miss, Reach, Stage, at_rest, constrained_times, ends, joint_at, joints_at};
+use super::{Miss, Reach, Stage, at_rest, constrained_times, ends, joint_at};
 use crate::geometry::log;
 use crate::index::CharacterId;
-use crate::object_motion::{AtRest, Owner, Performance, skeleton_of, wrist_at};
-use crate::touch::Hand;
+use crate::object_motion::{AtRest, Owner, Performance};
 
 /// By how much the joint of the end effector at `index` in `result` misses what it reaches: over an interval at both ends, on all
 /// ticks of the scene's clock within, and at all moments within that constrain the same character. Cost: linear in samples
@@ -55,16 +54,12 @@ pub fn carry_residuals_of<P: Performance>(
             if own.is_empty() {
                 continue;
             }
-            let size = stage.scene.objects[object.as_usize()].size;
             let mut worst = 0.0_f64;
             for time in samples(stage, [span.from, span.to], who) {
                 let pose = motion.pose_at(stage.scene, stage.performance, time);
-                let frames = joints_at((stage.scene, result), who, time);
-                for grip in &own {
-                    let wrist = wrist_at(&pose, &frames[grip.joint.as_usize()]);
-                    let hand = Hand::of(skeleton_of(stage.scene, who), &frames, grip.joint);
-                    worst = worst.max(wrist.position.distance(grip.point).max(hand.distance(size, &wrist)));
-                }
+                let body = result.pose(who, result.frame(who, time));
+                let misses = own.iter().map(|grip| grip.miss((stage.scene, object), &body, &pose));
+                worst = misses.fold(worst, f64::max);
             }
             found.push((hold.carry, worst));
         }

@@ -110,7 +110,8 @@ pub(crate) enum Verdict {
 pub(crate) const SOURCE: &str = "bvh/snu_broad_jump.bvh";
 
 /// Odd and broken files, and what becomes of each.
-pub(crate) const ODD: [(&str, Verdict); 42] = [
+pub(crate) const ODD: [(&str, Verdict); 43] = [
+    ("amc/cmu_16_15_walk_straight.amc", Verdict::Noted(471, "(`lhumerus` by 94°)")),
     ("odd/broken_channel_count_wrong.bvh", Verdict::Refused("announces 5 channels, but 6 names follow")),
     ("odd/broken_cut_in_row.bvh", Verdict::Refused("row 4 of the motion has 34 values, expected 42")),
     ("odd/broken_empty.bvh", Verdict::Refused("not a BVH file")),
