@@ -139,14 +139,19 @@ pub fn nearest_turn(radians: f64) -> i32 {
 
 /// Turning on the spot by `degrees`, with the box or without.
 pub fn turn(degrees: i32, with_box: bool) -> Act {
-    let side = if degrees < 0 { "right" } else { "left" };
-    let angle = f64::from(degrees);
+    let (name, angle) = (turn_name(degrees, with_box), f64::from(degrees));
     if with_box {
-        let name = format!("carry {side} {}", degrees.abs());
         act(&name, "carry_turn", &[("angle", angle), ("width", WIDTH)], &[])
     } else {
-        act(&format!("turn {side} {}", degrees.abs()), "turn", &[("angle", angle)], &[])
+        act(&name, "turn", &[("angle", angle)], &[])
     }
+}
+
+/// Name of [`turn`] in the scene.
+pub fn turn_name(degrees: i32, with_box: bool) -> String {
+    let how = if with_box { "carry" } else { "turn" };
+    let side = if degrees < 0 { "right" } else { "left" };
+    format!("{how} {side} {}", degrees.abs())
 }
 
 #[cfg(test)]

@@ -50,11 +50,13 @@ pub fn pat_from(stature: f64) -> (f64, f64) {
 /// Stepping aside, to the left or to the right.
 pub fn aside(left: bool) -> Act {
     let events = [("aside", ASIDE_FRAME)];
-    if left {
-        act("aside left", "side_step", &[("seconds", 5.0)], &events)
-    } else {
-        act("aside right", "side_step", &[("seconds", 5.0), ("left", 0.0)], &events)
-    }
+    let to_the_left = if left { 1.0 } else { 0.0 };
+    act(aside_name(left), "side_step", &[("seconds", 5.0), ("left", to_the_left)], &events)
+}
+
+/// Name of [`aside`] in the scene.
+pub const fn aside_name(left: bool) -> &'static str {
+    if left { "aside left" } else { "aside right" }
 }
 
 /// Jumping over the hurdle.

@@ -214,8 +214,8 @@ mod tests {
         assert_eq!(fault("<polyline points=\"0,0 x,1\"/>").fault, DrawingFault::Points("x".to_owned()));
         assert_eq!(fault("<path d=\"M0 0 0 0\"/>").fault, DrawingFault::TooShort);
         assert_eq!(fault("<polyline points=\"1 1\"/>").fault, DrawingFault::TooShort);
-        let broken = drawing("<svg>\n<path", None).expect_err("it is no XML");
-        assert!(broken.line >= 2 && matches!(broken.fault, DrawingFault::NotXml(_)));
+        let broken = drawing("<svg>\n</path>", None).expect_err("it is no XML");
+        assert!(broken.line == 2 && matches!(broken.fault, DrawingFault::NotXml(_)));
     }
 
     #[test]

@@ -1,5 +1,6 @@
 //! Who stands where, takes from whom, turns how far: everything about a relay but the words.
 
+use std::collections::BTreeMap;
 use std::f64::consts::PI;
 
 use super::acts::{Act, PALMS_APART, Place, REACH, STATURE, WIDTH, act, carry, nearest_turn, turn, walk};
@@ -258,15 +259,19 @@ fn wait_for_boxes(carriers: &mut [Carrier], acts: &Acts) {
     /// From the beginning of a hand-over to its moment, and on to its end: a second each.
     const HALF: f64 = 1.0;
     let first = acts.pick_up.seconds() + acts.carry.seconds() + HALF;
+    let mut known = BTreeMap::new();
+    let mut turning = |degrees: i32, with_box: bool| -> f64 {
+        *known.entry((degrees, with_box)).or_insert_with(|| turn(degrees, with_box).seconds())
+    };
     let mut released = first;
     for carrier in carriers {
         match &mut carrier.part {
             Part::First => {}
             Part::Middle(turned) | Part::Last(turned) => {
-                released += 2.0 * HALF + turn(*turned, true).seconds() + acts.carry.seconds();
+                released += 2.0 * HALF + turning(*turned, true) + acts.carry.seconds();
             }
             Part::Between(back) => {
-                let turned = back.facing.map_or(0.0, |degrees| turn(degrees, false).seconds());
+                let turned = back.facing.map_or(0.0, |degrees| turning(degrees, false));
                 let ready = first + HALF + acts.about.seconds() + acts.back.seconds() + turned;
                 back.wait = (2.0 * (released - HALF - ready)).round().max(2.0) / 2.0;
                 released = first;

@@ -3,7 +3,7 @@
 use super::text::{Group, body, degrees, group, point, quoted};
 use crate::geometry::cis;
 use crate::relay::Relay;
-use crate::relay::acts::{GRASP, PALMS_APART, STATURE, turn};
+use crate::relay::acts::{GRASP, PALMS_APART, STATURE, turn_name};
 use crate::relay::layout::{Carrier, Layout, Part, apart};
 
 pub(super) fn boxes(layout: &Layout) -> Group {
@@ -80,7 +80,7 @@ fn taker(n: usize, carrier: &Carrier, turned: i32) -> Vec<String> {
         (n + 1).to_string(),
         (carrier.load + 1).to_string(),
         quoted(if carrier.comes { "come" } else { "wait" }),
-        quoted(&turn(turned, true).name),
+        quoted(&turn_name(turned, true)),
         point(carrier.start.position),
         degrees(carrier.start.facing),
         quoted(&body(carrier.stature)),
@@ -118,7 +118,7 @@ pub(super) fn between(layout: &Layout) -> Group {
         };
         let mut way = vec!["pick up", "carry", "hand over", "turn about", "walk back"];
         let (turned, wait) =
-            (back.facing.map(|degrees| turn(degrees, false).name), format!("wait {:.1}", back.wait));
+            (back.facing.map(|degrees| turn_name(degrees, false)), format!("wait {:.1}", back.wait));
         way.extend(turned.as_deref());
         way.extend([wait.as_str(), "take over", "put down", "rest"]);
         let track: Vec<String> = way.into_iter().map(quoted).collect();

@@ -5,7 +5,7 @@ use std::fmt::Write;
 use super::text::{Group, body, degrees, group, point, quoted};
 use crate::geometry::c64;
 use crate::relay::acts::Place;
-use crate::relay::disturbers::{ASIDE_AT, BESIDE, Disturber, aside, pat_from};
+use crate::relay::disturbers::{ASIDE_AT, BESIDE, Disturber, aside_name, pat_from};
 use crate::relay::layout::{Layout, disturbed};
 use crate::relay::{Disturbance, Relay};
 
@@ -51,11 +51,7 @@ const ASIDE_KEYS: &[&str] = &["n", "carrier", "position", "facing", "body", "ste
 fn aside_row(index: usize, disturber: &Disturber) -> Vec<String> {
     let mut row = whom(index, disturber);
     let side = if disturber.left { ASIDE_AT.1 } else { -ASIDE_AT.1 };
-    row.extend([
-        quoted(&aside(!disturber.left).name),
-        format!("{:.2}", disturber.late),
-        format!("{side:.1}"),
-    ]);
+    row.extend([quoted(aside_name(!disturber.left)), format!("{:.2}", disturber.late), format!("{side:.1}")]);
     row
 }
 
@@ -138,7 +134,7 @@ const PAT_KEYS: &[&str] = &["n", "carrier", "position", "facing", "body", "leave
 
 fn pat_row(index: usize, disturber: &Disturber) -> Vec<String> {
     let mut row = whom(index, disturber);
-    row.extend([quoted(&aside(disturber.left).name), format!("{:.3}", pat_from(disturber.stature).0)]);
+    row.extend([quoted(aside_name(disturber.left)), format!("{:.3}", pat_from(disturber.stature).0)]);
     row
 }
 
