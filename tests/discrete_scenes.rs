@@ -327,7 +327,7 @@ fn one_thread_and_three_choose_the_same() {
         let update = |seed: u64| {
             let mut random = Random(seed);
             let (mut scene, (dragged, from)) = random_scene(&mut random, &clips);
-            if seed % 2 == 0 {
+            if seed.is_multiple_of(2) {
                 add_things(&mut random, &mut scene);
             }
             let mut editor = editor(&scene, (&graph, &clips), Evaluator::Exact).ok()?;

@@ -20,8 +20,11 @@ pub struct HandsAtRest {
     /// Of each character: they hold as long as tracks do.
     bodies: Vec<Arc<HandsOfOne>>,
     /// Of those who carry together, by carry and bits of its first and last frame: they hold as long as times do.
-    abreast: Mutex<BTreeMap<(usize, [u64; 2]), Arc<Vec<Abreast>>>>,
+    abreast: Mutex<BTreeMap<Spell, Arc<Vec<Abreast>>>>,
 }
+
+/// A carry, and bits of its first and last frame.
+type Spell = (usize, [u64; 2]);
 
 /// Two who carry something together at one instant: frame of each, and the middle of the hands seen from the path, at rest.
 type Abreast = [(f64, c64); 2];
@@ -31,7 +34,7 @@ struct HandsOfOne {
     /// By bits of the frame.
     poses: Mutex<BTreeMap<u64, BodyHands>>,
     /// Whether hands tell a heading, by carry and bits of its first and last frame: of those in which nobody else carries.
-    apart: Mutex<BTreeMap<(usize, [u64; 2]), bool>>,
+    apart: Mutex<BTreeMap<Spell, bool>>,
 }
 
 /// Everybody as the edit moves them; hands at no cost that grows with joints where they were asked for before.

@@ -1,10 +1,12 @@
 //! The editor: built once per set of constraints, solved many times while targets move.
 
+mod bound;
 mod entangled;
 mod moving;
 mod objects;
 mod sampled;
 mod share;
+mod told;
 mod variant;
 
 use std::ops::Range;
@@ -17,21 +19,22 @@ use crate::edit::energy::{Energy, Extent, length};
 use crate::edit::error::{EditError, Named};
 use crate::edit::expand::{Following, expand};
 use crate::edit::groups::{Group, for_each_stale, spatial_groups, temporal_groups};
-use crate::edit::hold::{Hold, Phase};
+use crate::edit::hold::Hold;
 use crate::edit::moved::EditedCharacter;
 use crate::edit::note::EditNote;
 use crate::edit::retarget::retarget;
 use crate::edit::settings::{Backend, SpatialSettings};
-use crate::edit::spatial::{SpatialComponent, SpatialError};
-use crate::edit::temporal::{TemporalComponent, TemporalError};
+use crate::edit::spatial::SpatialComponent;
+use crate::edit::temporal::TemporalComponent;
 use crate::edit::time_row::StepBounds;
 use crate::index::{CharacterId, ConstraintId};
 use crate::path::RestPath;
-use crate::scene::{Mode, Scene};
+use crate::scene::Scene;
 
 use crate::clip::working::WORKING_STEP;
 
 use objects::ObjectTies;
+use told::{named, space_error, step_bounds, time_error};
 
 pub use variant::{Exchange, Timing, Variant, WhatIf};
 
@@ -390,63 +393,5 @@ fn extent(character: &EditedCharacter) -> Extent {
     Extent {
         length: (length(&character.rest.positions), length(&character.positions)),
         seconds: (last as f64 * WORKING_STEP, character.times[last] - character.times[0]),
-    }
-}
-
-fn named(scene: &Scene, constraint: ConstraintId) -> Named {
-    let constraint = &scene.constraints[constraint.as_usize()];
-    Named { name: constraint.name.clone(), line: constraint.line }
-}
-
-fn names_of(scene: &Scene, characters: &[usize]) -> String {
-    characters.iter().map(|c| scene.characters[*c].name.as_str()).collect::<Vec<_>>().join(", ")
-}
-
-fn space_error(scene: &Scene, characters: &[usize], error: SpatialError) -> EditError {
-    match error {
-        SpatialError::Conflict { constraints, miss } => EditError::Conflict {
-            constraints: constraints.into_iter().map(|id| named(scene, id)).collect(),
-            miss,
-        },
-        SpatialError::Solver(phase, source) => {
-            let system = if phase == Phase::Shape { "shape" } else { "scale" };
-            EditError::Solver { system, characters: names_of(scene, characters), source }
-        }
-    }
-}
-
-fn time_error(scene: &Scene, characters: &[usize], error: TemporalError) -> EditError {
-    let names = |constraints: Vec<ConstraintId>| constraints.into_iter().map(|id| named(scene, id)).collect();
-    match error {
-        TemporalError::Conflict { constraints, miss } => {
-            EditError::TimeConflict { constraints: names(constraints), miss }
-        }
-        TemporalError::Infeasible { constraints, deficit } => {
-            let bounds = step_bounds(scene).unwrap_or(DEFAULT_BOUNDS);
-            EditError::InfeasibleTimes {
-                constraints: names(constraints),
-                deficit,
-                min_step: bounds.min,
-                max_step: bounds.max,
-            }
-        }
-        TemporalError::Solver(source) => {
-            EditError::Solver { system: "time", characters: names_of(scene, characters), source }
-        }
-        TemporalError::Bounds(source) => {
-            EditError::Bounds { characters: names_of(scene, characters), source }
-        }
-    }
-}
-
-/// Bounds on steps that hold in `scene`.
-fn step_bounds(scene: &Scene) -> Option<StepBounds> {
-    let default = (scene.mode == Mode::Production).then_some(DEFAULT_BOUNDS);
-    match (scene.warp.min_step, scene.warp.max_step, default) {
-        (None, None, default) => default,
-        (min, max, default) => Some(StepBounds {
-            min: min.or(default.map(|bounds| bounds.min)).unwrap_or(1e-6),
-            max: max.or(default.map(|bounds| bounds.max)).unwrap_or(1e6),
-        }),
     }
 }

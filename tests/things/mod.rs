@@ -9,7 +9,7 @@ use cotillion::scene::Scene;
 use crate::Random;
 use crate::paths::{hard, moment};
 
-/// Frames from which and to which each in turn has what is handed on, and those at which somebody may be held beside it.
+/// Frames from which and to which each in turn has what is handed on.
 const HELD: [(f64, f64); 3] = [(6.0, 24.0), (30.0, 44.0), (49.0, 60.0)];
 
 /// Adds one to three things to `scene`.

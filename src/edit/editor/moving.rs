@@ -2,7 +2,8 @@
 
 use std::collections::BTreeMap;
 
-use super::{Editor, named};
+use super::Editor;
+use super::told::named;
 use crate::edit::carrying::Carrying;
 use crate::edit::error::{EditError, Named};
 use crate::edit::expand::{Following, expand};

@@ -210,51 +210,22 @@ impl Editor {
         if self.ties.is_empty() {
             return Ok(ObjectsThen::default());
         }
-        let time = |who: usize, frame: f64| match characters.binary_search(&who) {
-            Ok(place) => time_of(&times[place], frame),
-            Err(_) => time_of(&self.edit.characters[who].times, frame),
-        };
-        let moment = |carry: usize, end: usize| {
-            let moment = moment_of(&self.scene, carry, end);
-            let own = variant.carries.iter().find(|own| (own.0, own.1) == (carry, end));
-            let frame = own.map_or_else(|| self.scene.frame_of(moment), |own| own.2);
-            time(moment.character.as_usize(), frame)
-        };
-        for (first, second) in &self.ties.hand_overs[index] {
-            let seconds = moment(*first, 1) - moment(*second, 0);
-            if seconds > HAND_OVER {
-                let [first, second] = [*first, *second].map(|carry| carry_named(&self.scene, carry));
-                return Err(EditError::CarriesOverlap { first, second, seconds });
-            }
+        let clock = Clock { editor: self, variant, characters, times };
+        clock.overlap(&self.ties.hand_overs[index])?;
+        let entangled = self.ties.entangled[self.ties.sets[variant.character]];
+        if entangled {
+            return Ok(ObjectsThen { coupled: true, ..ObjectsThen::default() });
         }
-        let mut known = BTreeMap::new();
-        let mut possession = |object: ObjectId, seconds: f64| -> Possession {
-            let carries = &self.ties.carries[object.as_usize()];
-            let found = || {
-                possessions(
-                    &carries.iter().map(|c| (*c, [0, 1].map(|end| moment(*c, end)))).collect::<Vec<_>>(),
-                )
-            };
-            *possession_before(known.entry(object).or_insert_with(found), seconds)
-        };
-        let mut told = |row: &Following| {
-            let seconds = time(row.at.path, row.at.frame);
-            let wanted = wanted(&self.scene.constraints[row.constraint.as_usize()].kind, row.before);
-            let course = &self.scene.objects[row.object.as_usize()].course;
-            let free = possession(row.object, seconds).by == Possessor::Itself;
-            free.then(|| in_the_world(row, wanted, course.pose_at(seconds)))
-        };
-        let (own, _) = place_of(&self.spatial, variant.character).unwrap_or_default();
-        let mut then = ObjectsThen {
-            coupled: self.ties.entangled[self.ties.sets[variant.character]],
-            ..ObjectsThen::default()
-        };
-        if then.coupled {
-            return Ok(then);
-        }
-        for row in &variant.following {
-            let (constraint, ordinal) = (row.constraint, variant.ordinal(row.row));
-            match told(row) {
+        Ok(self.rows_then(&clock, index))
+    }
+
+    /// The same of rows alone.
+    fn rows_then(&self, clock: &Clock<'_>, index: usize) -> ObjectsThen {
+        let (own, _) = place_of(&self.spatial, clock.variant.character).unwrap_or_default();
+        let (mut then, mut known) = (ObjectsThen::default(), BTreeMap::new());
+        for row in &clock.variant.following {
+            let (constraint, ordinal) = (row.constraint, clock.variant.ordinal(row.row));
+            match clock.told(row, &mut known) {
                 Some(hold) => then.rows.push(RowThen { group: own, constraint, ordinal, hold }),
                 None => then.coupled = true,
             }
@@ -262,26 +233,24 @@ impl Editor {
         for row in unique(self.ties.rows_in_time[index].iter().chain(&self.ties.rows_in_space[own]).copied())
         {
             let (following, present) = &self.following[row];
-            if variant.binds(following.constraint) {
+            if clock.variant.binds(following.constraint) {
                 continue;
             }
-            match told(following) {
-                Some(hold) => {
-                    let (group, ordinal) = self.place_of_row(following);
-                    let constraint = following.constraint;
-                    then.rows.push(RowThen { group, constraint, ordinal, hold });
-                    if group != own && hold != *present {
-                        let apart = step(present, &hold).into_iter().map(f64::abs).fold(0.0, f64::max);
-                        then.elsewhere.push((group, apart));
-                    }
-                }
-                None => then.coupled = true,
+            let Some(hold) = clock.told(following, &mut known) else {
+                then.coupled = true;
+                continue;
+            };
+            let (group, ordinal) = self.place_of_row(following);
+            then.rows.push(RowThen { group, constraint: following.constraint, ordinal, hold });
+            if group != own && hold != *present {
+                let apart = step(present, &hold).into_iter().map(f64::abs).fold(0.0, f64::max);
+                then.elsewhere.push((group, apart));
             }
         }
         // The farthest row of each.
         then.elsewhere.sort_unstable_by(|a, b| a.0.cmp(&b.0).then(b.1.total_cmp(&a.1)));
         then.elsewhere.dedup_by_key(|own| own.0);
-        Ok(then)
+        then
     }
 
     /// Spatial component of a row relative to an object, and which row of its constraint it is.
@@ -302,6 +271,61 @@ impl Editor {
         let sets = unique(rows.chain([who]).map(|who| self.ties.sets[who]));
         let touched = |group: &Group<SpatialComponent>| sets.contains(&self.ties.sets[group.characters[0]]);
         self.spatial.iter().map(touched).collect()
+    }
+}
+
+/// When everything happens if a variant is shown at its times.
+struct Clock<'a> {
+    editor: &'a Editor,
+    variant: &'a Variant,
+    /// Whose times these are, rising.
+    characters: &'a [usize],
+    times: &'a [Vec<f64>],
+}
+
+impl Clock<'_> {
+    fn time(&self, who: usize, frame: f64) -> f64 {
+        match self.characters.binary_search(&who) {
+            Ok(place) => time_of(&self.times[place], frame),
+            Err(_) => time_of(&self.editor.edit.characters[who].times, frame),
+        }
+    }
+
+    /// When a carry begins, or ends.
+    fn moment(&self, carry: usize, end: usize) -> f64 {
+        let moment = moment_of(&self.editor.scene, carry, end);
+        let own = self.variant.carries.iter().find(|own| (own.0, own.1) == (carry, end));
+        let frame = own.map_or_else(|| self.editor.scene.frame_of(moment), |own| own.2);
+        self.time(moment.character.as_usize(), frame)
+    }
+
+    fn overlap(&self, hand_overs: &[(usize, usize)]) -> Result<(), EditError> {
+        for (first, second) in hand_overs {
+            let seconds = self.moment(*first, 1) - self.moment(*second, 0);
+            if seconds > HAND_OVER {
+                let [first, second] = [*first, *second].map(|carry| carry_named(&self.editor.scene, carry));
+                return Err(EditError::CarriesOverlap { first, second, seconds });
+            }
+        }
+        Ok(())
+    }
+
+    /// A row as times alone tell it; `None` where somebody has had the object. `known`: who has those asked for when.
+    fn told(&self, row: &Following, known: &mut BTreeMap<ObjectId, Vec<Possession>>) -> Option<Hold> {
+        let Editor { scene, ties, .. } = self.editor;
+        let seconds = self.time(row.at.path, row.at.frame);
+        let found = || {
+            let carries = ties.carries[row.object.as_usize()].iter();
+            let times = carries.map(|carry| (*carry, [0, 1].map(|end| self.moment(*carry, end))));
+            possessions(&times.collect::<Vec<_>>())
+        };
+        let possessions = known.entry(row.object).or_insert_with(found);
+        if possession_before(possessions, seconds).by != Possessor::Itself {
+            return None;
+        }
+        let wanted = wanted(&scene.constraints[row.constraint.as_usize()].kind, row.before);
+        let pose = scene.objects[row.object.as_usize()].course.pose_at(seconds);
+        Some(in_the_world(row, wanted, pose))
     }
 }
 

@@ -20,7 +20,7 @@ use crate::edit::springs::shape_path;
 use crate::edit::temporal::TemporalComponent;
 use crate::path::RestPath;
 
-use super::space_error;
+use super::told::space_error;
 
 impl Editor {
     /// Ê if `variant` were performed, estimated. `marked`: of each character, frames of its track (of the variant's own: of
