@@ -36,6 +36,10 @@ impl Proposal {
         }
     }
 
+    fn remember(&self, energy: f64) {
+        *self.last.lock().unwrap_or_else(PoisonError::into_inner) = Some(energy);
+    }
+
     /// Ê when it was last estimated, in an earlier update.
     pub fn last(&self) -> Option<f64> {
         *self.last.lock().unwrap_or_else(PoisonError::into_inner)
@@ -108,9 +112,10 @@ impl<'a> Weighing<'a> {
         let who = proposal.candidate.character;
         let response = self.responses[who.as_usize()].get_or_init(|| self.editor.response(who)).as_ref()?;
         let make = || self.editor.exchange(variant, response);
-        let estimate = |exchange: &mut Exchange| {
-            self.editor.energy_if((variant, timing), (exchange, response), most - bound)
-        };
+        let turns = self.turns(proposal);
+        let range = (bound - turns, most - turns);
+        let estimate =
+            |exchange: &mut Exchange| self.editor.energy_if((variant, timing), (exchange, response), range);
         let told = if self.keeps {
             let kept = proposal.exchange.get_or_init(|| make().map(Mutex::new)).as_ref()?;
             estimate(&mut kept.lock().unwrap_or_else(PoisonError::into_inner))?
@@ -119,11 +124,14 @@ impl<'a> Weighing<'a> {
         };
         match told {
             WhatIf::Energy(energy) => {
-                let total = energy.with_turns(self.turns(proposal)).total;
-                *proposal.last.lock().unwrap_or_else(PoisonError::into_inner) = Some(total);
+                let total = energy.with_turns(turns).total;
+                proposal.remember(total);
                 Some(total)
             }
-            WhatIf::TooMuch => Some(f64::INFINITY),
+            WhatIf::TooMuch(about) => {
+                about.into_iter().for_each(|about| proposal.remember(about + turns));
+                Some(f64::INFINITY)
+            }
         }
     }
 

@@ -3,7 +3,7 @@
 //! Unknown are deviations from a reference path that satisfies all interior rows, so that only held rows have targets: what
 //! they miss on the reference.
 
-use cotillion_solvers::{Dependency, KktError, PathResponse, PointRow, RowMatrix, analyse_rank};
+use cotillion_solvers::{Dependency, Effort, KktError, PathResponse, PointRow, RowMatrix, analyse_rank};
 
 use crate::constraint::Strength;
 use crate::edit::columns::{Columns, Freedom};
@@ -223,6 +223,11 @@ impl PhaseSolver {
             backend: Backend::Reduced,
             answer: Backend::Reduced,
         })
+    }
+
+    /// How far reduced solves go from now on.
+    pub fn set_effort(&mut self, effort: Effort) {
+        self.reduced.iter_mut().for_each(|reduced| reduced.effort = effort);
     }
 
     /// Number of free motions that are fixed as at rest.

@@ -1,7 +1,7 @@
 //! One phase reduced exactly to its held rows: paths as springs.
 
 use cotillion_solvers::{
-    Bent, Compliance, ComplianceAnalysis, ComplianceFactor, KktError, PathResponse, PointRow,
+    Bent, Compliance, ComplianceAnalysis, ComplianceFactor, Effort, KktError, PathResponse, PointRow,
 };
 use rayon::prelude::*;
 
@@ -17,8 +17,8 @@ pub struct ReducedPhase {
     factor: Option<(ComplianceFactor, Bent)>,
     /// Of held rows, then of rigid stretches, which are 0.
     targets: Vec<c64>,
-    /// Ten digits are enough.
-    rough: bool,
+    /// Of solves.
+    pub effort: Effort,
 }
 
 impl ReducedPhase {
@@ -38,7 +38,7 @@ impl ReducedPhase {
             analysis: None,
             factor: None,
             targets,
-            rough: false,
+            effort: Effort::Full,
         })
     }
 
@@ -76,10 +76,7 @@ impl ReducedPhase {
     pub fn solve(&mut self, targets: &[c64]) -> bool {
         self.targets[..targets.len()].copy_from_slice(targets);
         let Some((factor, bent)) = &mut self.factor else { return false };
-        let solved = match self.rough {
-            true => bent.estimate(&self.problem, factor, &self.targets),
-            false => bent.solve(&self.problem, factor, &self.targets),
-        };
+        let solved = bent.solve_to(self.effort, (&self.problem, factor), &self.targets);
         solved.is_ok() && bent.settled()
     }
 
@@ -119,7 +116,7 @@ impl ReducedPhase {
         let problem = self.problem.with_path(path, spring_path(freedom, path, settings)?, all)?;
         let factor = response.factor((&self.problem, factor), &problem).ok()?;
         let bent = Bent::new(&problem, &factor);
-        Some(Self { problem, analysis: None, factor: Some((factor, bent)), targets, rough: true })
+        Some(Self { problem, analysis: None, factor: Some((factor, bent)), targets, effort: Effort::Estimate })
     }
 
     /// Free motions fixed as at rest.
