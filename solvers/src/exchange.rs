@@ -36,8 +36,12 @@ pub(crate) struct Exchange {
     system: LU<c64, Dyn, Dyn>,
 }
 
+/// A system is singular if its largest pivot is as many times its smallest: something is free, but for rounding. Regular ones
+/// stay below 1e11.
+const MOST_SPREAD: f64 = 1e13;
+
 impl Exchange {
-    /// `None` where the system is singular. Cost: by the cube of the border.
+    /// `None` where the system is singular to rounding. Cost: by the cube of the border.
     pub(crate) fn new(
         border: Vec<usize>,
         columns: Arc<DMatrix<c64>>,
@@ -45,7 +49,10 @@ impl Exchange {
     ) -> Option<Self> {
         let size = border.len();
         let system = (DMatrix::identity(size, size) + product(inverse, &difference)).lu();
-        system.is_invertible().then_some(Self { border, columns, difference, system })
+        let pivots = (0..size).map(|k| system.lu_internal()[(k, k)].norm());
+        let (least, most) = pivots.fold((f64::INFINITY, 0.0_f64), |(a, b), own| (a.min(own), b.max(own)));
+        let regular = size == 0 || most < MOST_SPREAD * least; // which NaN is not
+        regular.then_some(Self { border, columns, difference, system })
     }
 
     /// From the solution of the system as factored to that of the exchanged one.
