@@ -226,11 +226,7 @@ impl Bent {
         }
     }
 
-    fn check_solution(
-        &self,
-        problem: &Compliance,
-        (scale, allowed): (f64, f64),
-    ) -> Result<f64, KktError> {
+    fn check_solution(&self, problem: &Compliance, (scale, allowed): (f64, f64)) -> Result<f64, KktError> {
         if !self.unknowns.iter().all(|u| u.high.is_finite())
             || !self.states.iter().all(|s| s.point.is_finite())
         {

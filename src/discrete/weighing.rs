@@ -15,6 +15,8 @@ pub struct Proposal {
     pub turned: f64,
     /// How often it would show one source frame at most.
     pub copies: usize,
+    /// It puts the very frames in the place of those that go.
+    pub repeats: bool,
     /// The track it leads to, once asked for; `None` where a moment is torn apart.
     pub variant: OnceLock<Option<Variant>>,
     /// The group with that track, since systems were last factored; `None` where these do not tell.
@@ -25,11 +27,13 @@ pub struct Proposal {
 
 impl Proposal {
     /// Nothing else is known of it yet.
-    pub fn new(candidate: Candidate, turned: f64, copies: usize) -> Self {
+    /// `repeats`: whether the track shows what it showed before.
+    pub fn new(candidate: Candidate, (turned, copies): (f64, usize), repeats: bool) -> Self {
         Self {
             candidate,
             turned,
             copies,
+            repeats,
             variant: OnceLock::new(),
             exchange: OnceLock::new(),
             last: Mutex::default(),
@@ -98,6 +102,9 @@ impl<'a> Weighing<'a> {
     /// A sharper lower bound; infinite where the times have no solution.
     pub fn bound(&self, proposal: &Proposal) -> f64 {
         let Some(variant) = self.variant(proposal) else { return f64::INFINITY };
+        if proposal.repeats && self.editor.has_path(variant) {
+            return self.editor.edit().energy.total + self.turns(proposal);
+        }
         let timing = self.timing(variant);
         let Some(timing) = timing.get().and_then(Option::as_ref) else { return f64::INFINITY };
         self.editor.energy_bound(variant, timing) + self.turns(proposal)

@@ -1,5 +1,6 @@
 //! The editor: built once per set of constraints, solved many times while targets move.
 
+mod bound;
 mod moving;
 mod sampled;
 mod share;

@@ -24,17 +24,16 @@ pub struct ReducedPhase {
 impl ReducedPhase {
     /// Assembles, or `None` where springs cannot express the paths, or where there are so many rows on the same frames that
     /// all frames are the smaller system. `rows`: held rows, the hard ones independent. Cost: linear in frames.
-    pub fn new(freedom: Freedom, rows: &[PointRow<c64>], settings: &SpatialSettings) -> Option<Self> {
-        if crowded(freedom.paths.len(), rows) {
+    pub fn new(freedom: Freedom, mut rows: Vec<PointRow<c64>>, settings: &SpatialSettings) -> Option<Self> {
+        if crowded(freedom.paths.len(), &rows) {
             return None;
         }
         let paths = (0..freedom.paths.len()).into_par_iter().with_min_len(16);
         let paths = paths.map(|path| spring_path(freedom, path, settings)).collect::<Option<Vec<_>>>()?;
-        let mut all = rows.to_vec();
-        all.extend(run_rows(freedom));
-        let targets = vec![c64::default(); all.len()];
+        rows.extend(run_rows(freedom));
+        let targets = vec![c64::default(); rows.len()];
         Some(Self {
-            problem: Compliance::new(paths, all),
+            problem: Compliance::new(paths, rows),
             analysis: None,
             factor: None,
             targets,
@@ -105,18 +104,23 @@ impl ReducedPhase {
     pub fn exchanged(
         &self,
         (path, freedom): (usize, Freedom),
-        rows: &[PointRow<c64>],
+        mut rows: Vec<PointRow<c64>>,
         settings: &SpatialSettings,
         response: &PathResponse,
     ) -> Option<Self> {
         let (factor, _) = self.factor.as_ref()?;
-        let mut all = rows.to_vec();
-        all.extend(run_rows(freedom));
-        let targets = vec![c64::default(); all.len()];
-        let problem = self.problem.with_path(path, spring_path(freedom, path, settings)?, all)?;
+        rows.extend(run_rows(freedom));
+        let targets = vec![c64::default(); rows.len()];
+        let problem = self.problem.with_path(path, spring_path(freedom, path, settings)?, rows)?;
         let factor = response.factor((&self.problem, factor), &problem).ok()?;
         let bent = Bent::new(&problem, &factor);
-        Some(Self { problem, analysis: None, factor: Some((factor, bent)), targets, effort: Effort::Estimate })
+        Some(Self {
+            problem,
+            analysis: None,
+            factor: Some((factor, bent)),
+            targets,
+            effort: Effort::Estimate,
+        })
     }
 
     /// Free motions fixed as at rest.

@@ -6,7 +6,7 @@
 
 mod rotations;
 
-use cotillion_solvers::{Effort, KktError};
+use cotillion_solvers::KktError;
 
 use crate::edit::bodies::leave_to_the_body;
 use crate::edit::clash::{self, Miss};
@@ -242,12 +242,6 @@ impl SpatialComponent {
             Some(Attempt::Ended(solved)) => Ok(solved),
             Some(Attempt::Release(_)) => self.solve_below(most),
         }
-    }
-
-    /// How far solves go from now on.
-    pub fn set_effort(&mut self, effort: Effort) {
-        self.shape.set_effort(effort);
-        self.scale.set_effort(effort);
     }
 
     fn attempt(&mut self, most: f64) -> Result<Attempt, SpatialError> {

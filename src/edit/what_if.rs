@@ -96,7 +96,13 @@ pub fn complete(
     let freedom = freedom((&own.rests, &[]), Phase::Scale, &settings, &[]);
     let path = (response.path, freedom);
     own.scale = group.scale.exchanged(path, &own.held, &settings, &response.phases[1])?;
-    own.set_effort(effort);
+    set_effort(own, effort);
     own.lacks_scale = false;
     Some(())
+}
+
+/// How far solves of a group go from now on.
+pub fn set_effort(group: &mut SpatialComponent, effort: Effort) {
+    group.shape.set_effort(effort);
+    group.scale.set_effort(effort);
 }

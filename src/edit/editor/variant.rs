@@ -1,30 +1,24 @@
-//! What the energy would be if one character performed another track: only who is connected to them is solved, and a lower
-//! bound takes less than that.
+//! What the energy would be if one character performed another track: only who is connected to them is solved.
 
 use cotillion_solvers::Effort;
 
 use crate::clip::working::WORKING_STEP;
 use crate::constraint::ConstraintKind;
 use crate::edit::EditError;
-use crate::edit::energy::{Energy, Extent, least_length_cost, length};
+use crate::edit::energy::{Energy, Extent, length};
 use crate::edit::expand::{Expansion, expand_some, expand_times};
 use crate::edit::groups::Group;
-use crate::edit::hold::{Hold, Prepared};
-use crate::edit::phase::weight_of;
+use crate::edit::hold::Prepared;
 use crate::edit::retarget::{retarget, seconds_of};
 use crate::edit::spatial::{Solved, SpatialComponent};
 use crate::edit::temporal::{TemporalComponent, TemporalSettings};
 use crate::edit::time_row::TimeRow;
-use crate::edit::what_if::{GroupResponse, complete, exchanged, response};
-use crate::geometry::c64;
+use crate::edit::what_if::{GroupResponse, complete, exchanged, response, set_effort};
 use crate::index::{CharacterId, ConstraintId};
 use crate::path::RestPath;
 use crate::scene::Scene;
 
 use super::{Editor, solve_times, space_error};
-
-/// Bounds are lowered by this share of the energies they come from, and by as much without units.
-const ROUNDING: f64 = 1e-9;
 
 /// Another track in place of a character's, with all rows on it. It outlives drags: numbers are read from the scene anew.
 #[derive(Clone, Debug)]
@@ -34,7 +28,7 @@ pub struct Variant {
     /// Rest path of the other track.
     pub rest: RestPath,
     /// Spatial rows of all constraints that name the character, in their order; paths are numbered as characters.
-    held: Vec<Prepared>,
+    pub(super) held: Vec<Prepared>,
     /// Temporal rows of these, likewise.
     times: Vec<TimeRow>,
     /// These constraints, rising.
@@ -221,7 +215,7 @@ impl Editor {
         (most, effort): (f64, Effort),
     ) -> Option<WhatIf> {
         let most = most * WORKING_STEP.powi(3);
-        component.set_effort(effort);
+        set_effort(component, effort);
         let mut solved = component.solve_below(most).ok()?;
         if solved == Solved::LacksScale {
             complete(&self.spatial[*group].component, response, (component, effort))?;
@@ -234,71 +228,7 @@ impl Editor {
         Some(WhatIf::Energy(self.energy_with(variant, timing, &space_of(*group, component, lengths))))
     }
 
-    /// A lower bound of [`Editor::energy_of`]: exact times; paths that go straight from one place to the next. Cost: by the
-    /// rows and the frames of the variant, and the rows of its group.
-    pub fn energy_bound(&self, variant: &Variant, timing: &Timing) -> f64 {
-        if !self.is_separable() {
-            return self.time_bound(variant, timing);
-        }
-        let (index, place) = place_of(&self.spatial, variant.character).unwrap_or_default();
-        let group = &self.spatial[index];
-        let held = self.held_with(variant, group);
-        let mut lengths: Vec<f64> =
-            group.characters.iter().map(|tied| self.extents[*tied].length.0).collect();
-        lengths[place] = length(&variant.rest.positions);
-        let places = held_places(&held, group.characters.len());
-        let least = |(path, own): (usize, &f64)| {
-            let rest = if path == place { &variant.rest } else { &group.component.rests[path] };
-            let [all, hard] = [true, false].map(|soft| {
-                let (straight, give) = straight_length(&places[path], rest, soft);
-                least_length_cost((*own, straight), give, self.scene.mode)
-            });
-            all.max(hard)
-        };
-        let length_cost: f64 = lengths.iter().enumerate().map(least).sum();
-        let space = Space { group: index, energies: (0.0, 0.0), lengths };
-        let bound = self.energy_with(variant, timing, &space).total + length_cost;
-        bound - ROUNDING * (1.0 + bound + self.edit.energy.total)
-    }
-
-    /// A lower bound of what all those cost who are not tied to `character`.
-    pub fn energy_of_others(&self, character: CharacterId) -> f64 {
-        if !self.is_separable() {
-            return 0.0;
-        }
-        let who = character.as_usize();
-        let mut extents = self.extents.clone();
-        let mut sums = (0.0, 0.0, 0.0);
-        for Group { characters, component, .. } in &self.spatial {
-            if characters.binary_search(&who).is_ok() {
-                characters.iter().for_each(|tied| extents[*tied].length = (0.0, 0.0));
-            } else {
-                sums.0 += component.energy.shape + component.energy.shape_soft;
-                sums.1 += component.energy.scale + component.energy.scale_soft;
-            }
-        }
-        for Group { characters, component, .. } in &self.temporal {
-            if characters.binary_search(&who).is_ok() {
-                characters.iter().for_each(|tied| extents[*tied].seconds = (0.0, 0.0));
-            } else {
-                sums.2 += component.energy.0 + component.energy.1;
-            }
-        }
-        let bound = Energy::new(sums.0, sums.1, sums.2, &extents, self.scene.mode).total;
-        bound - ROUNDING * (1.0 + bound)
-    }
-
-    /// What times alone cost.
-    fn time_bound(&self, variant: &Variant, timing: &Timing) -> f64 {
-        let mut extents = self.extents.clone();
-        extents.iter_mut().for_each(|extent| extent.length = (0.0, 0.0));
-        self.take_seconds(variant, timing, &mut extents);
-        let time = self.time_sum(timing);
-        let bound = Energy::new(0.0, 0.0, time, &extents, self.scene.mode).total;
-        bound - ROUNDING * (1.0 + bound)
-    }
-
-    fn time_sum(&self, timing: &Timing) -> f64 {
+    pub(super) fn time_sum(&self, timing: &Timing) -> f64 {
         let own = |(index, group): (usize, &Group<TemporalComponent>)| match index == timing.group {
             true => timing.energy,
             false => group.component.energy.0 + group.component.energy.1,
@@ -306,7 +236,7 @@ impl Editor {
         self.temporal.iter().enumerate().map(own).fold(0.0, |sum, energy| sum + energy)
     }
 
-    fn take_seconds(&self, variant: &Variant, timing: &Timing, extents: &mut [Extent]) {
+    pub(super) fn take_seconds(&self, variant: &Variant, timing: &Timing, extents: &mut [Extent]) {
         extents[variant.character].seconds.0 = (variant.rest.len() - 1) as f64 * WORKING_STEP;
         for (character, seconds) in self.temporal[timing.group].characters.iter().zip(&timing.seconds) {
             extents[*character].seconds.1 = *seconds;
@@ -349,7 +279,7 @@ impl Editor {
 }
 
 impl Variant {
-    fn binds(&self, constraint: ConstraintId) -> bool {
+    pub(super) fn binds(&self, constraint: ConstraintId) -> bool {
         self.constraints.binary_search(&constraint).is_ok()
     }
 }
@@ -365,37 +295,4 @@ pub(super) fn space_of(group: usize, component: &SpatialComponent, lengths: Vec<
     let energy = component.energy;
     let energies = (energy.shape + energy.shape_soft, energy.scale + energy.scale_soft);
     Space { group, energies, lengths }
-}
-
-/// A place that a row holds: frame, point, how far the pose is off the path there, weight of a soft row.
-type HeldPlace = (f64, c64, f64, Option<f64>);
-
-/// Places that rows hold on each of `count` paths, rising.
-fn held_places(held: &[Prepared], count: usize) -> Vec<Vec<HeldPlace>> {
-    let mut places = vec![Vec::new(); count];
-    for prepared in held {
-        if let Hold::Position { at, target } = prepared.row.hold {
-            places[at.path].push((at.frame, target, at.detail.norm(), weight_of(prepared)));
-        }
-    }
-    places.iter_mut().for_each(|own| own.sort_by(|a: &HeldPlace, b| a.0.total_cmp(&b.0)));
-    places
-}
-
-/// Length of the straight lines from each held place of a path to the next, metres, and how readily soft ones give way:
-/// residuals that shorten the lines by R cost at least `R²/2g` in Ê, g the second number, m².
-/// `soft`: whether soft places count.
-fn straight_length(places: &[HeldPlace], rest: &RestPath, soft: bool) -> (f64, f64) {
-    // Beyond the last frame, rows go on along its line, which the path does not.
-    let counts = |place: &&HeldPlace| (soft || place.3.is_none()) && place.0 <= (rest.len() - 1) as f64;
-    let places: Vec<&HeldPlace> = places.iter().filter(counts).collect();
-    let between = |pair: &[&HeldPlace]| (pair[1].1 - pair[0].1).norm() - pair[0].2 - pair[1].2;
-    let straight = places.windows(2).map(|pair| between(pair).max(0.0)).sum();
-    // A place within the path moves two lines.
-    let last = places.len().saturating_sub(1);
-    let lever = |index: usize| if index == 0 || index == last { 1.0 } else { 4.0 };
-    let give = |(index, place): (usize, &&HeldPlace)| {
-        place.3.map_or(0.0, |weight| lever(index) * WORKING_STEP.powi(3) / weight)
-    };
-    (straight, places.iter().enumerate().map(give).sum())
 }
