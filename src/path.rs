@@ -54,7 +54,8 @@ impl RestPath {
     /// Whether two points of this path are one, to rounding.
     pub fn coincide(&self, a: usize, b: usize) -> bool {
         let (p, q) = (self.positions[a], self.positions[b]);
-        (p - q).norm() <= COINCIDENT * (1.0 + p.norm())
+        // Roots of sums: coordinates are metres, and the library's hypot takes several times as long.
+        (p - q).norm_sqr().sqrt() <= COINCIDENT * (1.0 + p.norm_sqr().sqrt())
     }
 
     /// Its segments. Cost: linear in frames.

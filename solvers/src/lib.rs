@@ -36,7 +36,7 @@
 //! ```
 
 pub use augmented::KktForm;
-pub use bent::Bent;
+pub use bent::{Bent, Effort};
 pub use bounds::{BoundMethod, solve_bounded};
 pub use chain::{ChainPiece, ChainRow, compose, condense, shape_rows};
 pub use chain_path::RowTargets;

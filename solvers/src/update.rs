@@ -42,8 +42,8 @@ pub struct PathResponse {
     path: usize,
     /// Position in `border` of the first similarity; two at least, the last of them may be spare.
     similarities: usize,
-    /// Columns of the whole inverse for the border.
-    columns: Arc<DMatrix<c64>>,
+    /// Columns of the whole inverse for the border, real and imaginary.
+    columns: Arc<[DMatrix<f64>; 2]>,
     /// Inverse on the border.
     inverse: DMatrix<c64>,
     /// Entries that the path has now.
@@ -78,11 +78,14 @@ impl PathResponse {
         let size = border.len() + spare;
         let mut inverse = DMatrix::identity(size, size);
         let mut scratch = factor.scratch();
-        let mut columns = DMatrix::zeros(problem.layout.size, border.len());
+        let zeros = || DMatrix::zeros(problem.layout.size, border.len());
+        let mut columns = [zeros(), zeros()];
         for (column, index) in border.iter().enumerate() {
             let values = factor.inverse_column(*index, &mut scratch);
             border.iter().enumerate().for_each(|(row, other)| inverse[(row, column)] = values[*other]);
-            columns.column_mut(column).copy_from_slice(&values);
+            for (row, value) in values.iter().enumerate() {
+                (columns[0][(row, column)], columns[1][(row, column)]) = (value.re, value.im);
+            }
         }
         let (columns, present) = (Arc::new(columns), DMatrix::zeros(size, size));
         let mut response = Self { rows, border, path, similarities, columns, inverse, present };

@@ -2,7 +2,8 @@
 //! few of them or so many that paths are cut into pieces.
 
 use cotillion_solvers::{
-    Bent, Compliance, KktError, LeastSquares, PointRow, RowMatrix, SpringPath, analyse_rank, c64, solve,
+    Bent, Compliance, Effort, KktError, LeastSquares, PointRow, RowMatrix, SpringPath, analyse_rank, c64,
+    solve,
 };
 use proptest::prelude::*;
 
@@ -10,6 +11,8 @@ use proptest::prelude::*;
 const PLACES: f64 = 1e-8;
 /// Energies, relative, or absolute where the minimum is all but 0.
 const ENERGIES: (f64, f64) = (1e-8, 1e-14);
+/// The same for sketches: one substitution that misses its rows by 1e-6 at most.
+const SKETCHES: (f64, f64) = (1e-4, 1e-9);
 
 /// Of each path.
 const POINTS: usize = 130;
@@ -170,5 +173,8 @@ proptest! {
         }
         let apart = (report.energy - energy).abs();
         prop_assert!(apart <= (ENERGIES.0 * energy).max(ENERGIES.1), "{} or {energy}", report.energy);
+        let sketch = bent.solve_to(Effort::Sketch, (&system, &factor), &problem.targets).expect("an answer");
+        let apart = (sketch.energy - energy).abs();
+        prop_assert!(apart <= (SKETCHES.0 * energy).max(SKETCHES.1), "{} or {energy}", sketch.energy);
     }
 }

@@ -58,8 +58,7 @@ pub fn candidates(graph: &MotionGraph, seen: &Seen<'_>, settings: &DiscreteSetti
         frames.replacements(graph, settings, &mut found);
     }
     found.retain(|candidate| seen.protected.allow(&candidate.splice, candidate.keep));
-    found.retain(|candidate| leaves_room(seen.track, &candidate.splice, settings.shortest_run));
-    let mut found = one_per_sequence(seen, found);
+    let mut found = one_per_sequence(seen, found, settings.shortest_run);
     found.sort_by_key(|found| (found.kind, found.interval, found.keep as u8));
     without_enclosing(&mut found);
     best(found, settings.most_candidates)
@@ -72,6 +71,9 @@ struct Frames<'a> {
     /// Run of every track frame.
     runs: Vec<usize>,
     shown: BTreeMap<GraphFrame, Vec<usize>>,
+    /// Up to which frame, not included, all are stationary from each frame on, and up to which all may change.
+    still_to: Vec<usize>,
+    open_to: Vec<usize>,
 }
 
 impl<'a> Frames<'a> {
@@ -89,7 +91,7 @@ impl<'a> Frames<'a> {
         }
         let runs = seen.track.runs.iter().enumerate();
         let runs = runs.flat_map(|(index, run)| std::iter::repeat_n(index, run.frame_count())).collect();
-        Self { seen, nodes, runs, shown }
+        Self { seen, nodes, runs, shown, still_to: ends(seen.still), open_to: ends(seen.open) }
     }
 
     /// Graph frames like that of track frame `i`, itself among them.
@@ -163,14 +165,14 @@ impl<'a> Frames<'a> {
             for j in (i + settings.shortest..=last).filter(|j| self.allowed(i, *j, settings)) {
                 for (from, before) in &alike[i] {
                     for (to, after) in &alike[j] {
-                        let Some(stretch) = self.stretch(graph, *from, *to, settings) else { continue };
-                        if !self.is_worth((i, j), &stretch, settings) {
-                            continue;
-                        }
                         // One of those that change nothing stands for all, as these give one sequence.
                         let same =
                             (*from, *to) == (self.nodes[i], self.nodes[j]) && self.runs[i] == self.runs[j];
                         if same && known {
+                            continue;
+                        }
+                        let Some(stretch) = self.stretch(graph, *from, *to, settings) else { continue };
+                        if !self.is_worth((i, j), &stretch, settings) {
                             continue;
                         }
                         let splice = (Splice::replace(i, j, vec![stretch]), Keep::First);
@@ -199,13 +201,13 @@ impl<'a> Frames<'a> {
 
     /// Whether somebody stands from track frame i to j.
     fn idle(&self, i: usize, j: usize) -> bool {
-        self.seen.still[i..=j].iter().all(|still| *still)
+        self.still_to[i] > j
     }
 
     /// Whether track frames i+1 to j may come or go: neither too few nor too many, and where all of them are still, enough
     /// that nobody sees them again.
     fn allowed(&self, i: usize, j: usize, settings: &DiscreteSettings) -> bool {
-        settings.lengths(self.idle(i, j)).contains(&(j - i)) && self.seen.open[i..=j].iter().all(|open| *open)
+        settings.lengths(self.idle(i, j)).contains(&(j - i)) && self.open_to[i] > j
     }
 
     /// Whether putting `stretch` in the place of track frames i+1 to j is more than swapping strides: so many more or fewer
@@ -229,9 +231,12 @@ impl<'a> Frames<'a> {
         }
         // The last entry of a clip is the one that only insertions use.
         let entry = self.seen.clips.iter().rposition(|known| *known == clip)?;
+        let count = last.as_usize() - first.as_usize();
+        if count > settings.longest {
+            return None;
+        }
         let still = &self.seen.track.clips[entry].stationary[first.as_usize()..=last.as_usize()];
         let idle = still.iter().all(|still| *still);
-        let count = last.as_usize() - first.as_usize();
         settings.lengths(idle).contains(&count).then(|| Stretch {
             entry,
             first: FrameIndex(first.0 + 1),
@@ -240,24 +245,33 @@ impl<'a> Frames<'a> {
     }
 }
 
-/// Whether every run of the track after `splice` is long enough to blend, but for those that were shorter before.
-fn leaves_room(track: &Track, splice: &Splice, shortest: usize) -> bool {
-    let short = |counts: &[usize]| {
-        let last = counts.len() - 1;
-        // Between two seams there are two blends.
-        let least = |index: usize| if index == 0 || index == last { shortest } else { 2 * shortest };
-        counts.iter().enumerate().filter(|(index, count)| **count < least(*index)).count()
-    };
-    let before: Vec<usize> = track.runs.iter().map(Run::frame_count).collect();
-    let after: Vec<usize> = track.shown_after(splice).iter().map(Stretch::frame_count).collect();
-    short(&after) <= short(&before)
+/// For each place, where the values that are true from there on end.
+fn ends(values: &[bool]) -> Vec<usize> {
+    let mut ends: Vec<usize> = (0..values.len()).collect();
+    for place in (0..values.len()).rev().filter(|place| values[*place]) {
+        ends[place] = ends.get(place + 1).copied().unwrap_or(place + 1);
+    }
+    ends
 }
 
-/// Of candidates that give the same sequence of frames with the same moments, the one with the nearest frames.
-fn one_per_sequence(seen: &Seen<'_>, found: Vec<Candidate>) -> Vec<Candidate> {
+/// How many runs are too short to blend: between two seams there are two blends.
+fn too_short(counts: impl ExactSizeIterator<Item = usize>, shortest: usize) -> usize {
+    let last = counts.len() - 1;
+    let least = |index: usize| if index == 0 || index == last { shortest } else { 2 * shortest };
+    counts.enumerate().filter(|(index, count)| *count < least(*index)).count()
+}
+
+/// Of candidates that give the same sequence of frames with the same moments, the one with the nearest frames. None that
+/// leaves more runs too short to blend than there were before.
+fn one_per_sequence(seen: &Seen<'_>, found: Vec<Candidate>, shortest: usize) -> Vec<Candidate> {
+    let before = too_short(seen.track.runs.iter().map(Run::frame_count), shortest);
     let mut kept: BTreeMap<Vec<u64>, Candidate> = BTreeMap::new();
     for candidate in found {
-        let key = outcome(seen, &candidate);
+        let shown = seen.track.shown_after(&candidate.splice);
+        if too_short(shown.iter().map(Stretch::frame_count), shortest) > before {
+            continue;
+        }
+        let key = outcome_of(seen, &candidate, &shown);
         match kept.get(&key) {
             Some(known) if (known.distance, known.kind) <= (candidate.distance, candidate.kind) => {}
             _ => {
@@ -270,17 +284,23 @@ fn one_per_sequence(seen: &Seen<'_>, found: Vec<Candidate>) -> Vec<Candidate> {
 
 /// What a candidate leads to: the sequence of frames, and where moments are.
 pub fn outcome(seen: &Seen<'_>, candidate: &Candidate) -> Vec<u64> {
-    let mut key = sequence(seen, &candidate.splice);
+    outcome_of(seen, candidate, &seen.track.shown_after(&candidate.splice))
+}
+
+/// The same; `shown`: by the track then.
+fn outcome_of(seen: &Seen<'_>, candidate: &Candidate, shown: &[Stretch]) -> Vec<u64> {
+    let mut key = sequence(seen, shown);
+    key.reserve(seen.protected.moments.len());
     let moment =
         |frame: &f64| candidate.splice.map_instant(*frame, candidate.keep).map_or(u64::MAX, f64::to_bits);
     key.extend(seen.protected.moments.iter().map(moment));
     key
 }
 
-/// Clip, first and last frame of each stretch that the track shows after `splice`.
-fn sequence(seen: &Seen<'_>, splice: &Splice) -> Vec<u64> {
-    let mut stretches: Vec<[u64; 3]> = Vec::new();
-    for run in seen.track.shown_after(splice) {
+/// Clip, first and last frame of each stretch of frames that follow each other.
+fn sequence(seen: &Seen<'_>, shown: &[Stretch]) -> Vec<u64> {
+    let mut stretches: Vec<[u64; 3]> = Vec::with_capacity(shown.len());
+    for run in shown {
         let own = [seen.clips[run.entry] as u64, u64::from(run.first.0), u64::from(run.last.0)];
         match stretches.last_mut() {
             Some(before) if before[0] == own[0] && before[2] + 1 == own[1] => before[2] = own[2],

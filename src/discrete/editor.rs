@@ -17,7 +17,7 @@ use crate::discrete::choose::worth;
 use crate::discrete::outcome::Outcome;
 use crate::discrete::remap::{Protected, bound, protected, spliced};
 use crate::discrete::settings::DiscreteSettings;
-use crate::discrete::tracks::{copies, open, rest_angles, turns};
+use crate::discrete::tracks::{copies, open, rest_angles, sequence, turns};
 use crate::discrete::undo::{Made, record, with_undos};
 use crate::discrete::weighing::Proposal;
 use crate::edit::energy::Energy;
@@ -342,7 +342,8 @@ impl DiscreteEditor {
                 let after = track.spliced(&candidate.splice);
                 let (turned, copies) =
                     (turns(&after, &self.rest_angles[who]), copies(&after, &self.clips[who]));
-                Proposal::new(candidate, turned, copies)
+                let repeats = sequence(&after, &self.clips[who]) == sequence(track, &self.clips[who]);
+                Proposal::new(candidate, (turned, copies), repeats)
             };
             found.into_iter().map(proposal).collect()
         };

@@ -52,6 +52,20 @@ pub fn turns(track: &Track, rest: &[f64]) -> f64 {
     sum
 }
 
+/// Graph clip, first and last frame of each stretch of frames of the track that follow each other in one clip; `clips`: graph
+/// clip of each entry.
+pub fn sequence(track: &Track, clips: &[usize]) -> Vec<(usize, u32, u32)> {
+    let mut stretches: Vec<(usize, u32, u32)> = Vec::with_capacity(track.runs.len());
+    for run in &track.runs {
+        let own = (clips[run.entry], run.first.0, run.last.0);
+        match stretches.last_mut() {
+            Some(before) if before.0 == own.0 && before.2 + 1 == own.1 => before.2 = own.2,
+            _ => stretches.push(own),
+        }
+    }
+    stretches
+}
+
 /// How often one source frame is shown at most; `clips`: graph clip of each entry.
 pub fn copies(track: &Track, clips: &[usize]) -> usize {
     let mut ends: Vec<(usize, u32, i32)> = Vec::new();

@@ -15,6 +15,8 @@ pub struct Proposal {
     pub turned: f64,
     /// How often it would show one source frame at most.
     pub copies: usize,
+    /// It puts the very frames in the place of those that go.
+    pub repeats: bool,
     /// The track it leads to, once asked for; `None` where a moment is torn apart.
     pub variant: OnceLock<Option<Variant>>,
     /// The group with that track, since systems were last factored; `None` where these do not tell.
@@ -25,15 +27,21 @@ pub struct Proposal {
 
 impl Proposal {
     /// Nothing else is known of it yet.
-    pub fn new(candidate: Candidate, turned: f64, copies: usize) -> Self {
+    /// `repeats`: whether the track shows what it showed before.
+    pub fn new(candidate: Candidate, (turned, copies): (f64, usize), repeats: bool) -> Self {
         Self {
             candidate,
             turned,
             copies,
+            repeats,
             variant: OnceLock::new(),
             exchange: OnceLock::new(),
             last: Mutex::default(),
         }
+    }
+
+    fn remember(&self, energy: f64) {
+        *self.last.lock().unwrap_or_else(PoisonError::into_inner) = Some(energy);
     }
 
     /// Ê when it was last estimated, in an earlier update.
@@ -94,6 +102,9 @@ impl<'a> Weighing<'a> {
     /// A sharper lower bound; infinite where the times have no solution.
     pub fn bound(&self, proposal: &Proposal) -> f64 {
         let Some(variant) = self.variant(proposal) else { return f64::INFINITY };
+        if proposal.repeats && self.editor.has_path(variant) {
+            return self.editor.edit().energy.total + self.turns(proposal);
+        }
         let timing = self.timing(variant);
         let Some(timing) = timing.get().and_then(Option::as_ref) else { return f64::INFINITY };
         self.editor.energy_bound(variant, timing) + self.turns(proposal)
@@ -108,9 +119,10 @@ impl<'a> Weighing<'a> {
         let who = proposal.candidate.character;
         let response = self.responses[who.as_usize()].get_or_init(|| self.editor.response(who)).as_ref()?;
         let make = || self.editor.exchange((variant, timing), response);
-        let estimate = |exchange: &mut Exchange| {
-            self.editor.energy_if((variant, timing), (exchange, response), most - bound)
-        };
+        let turns = self.turns(proposal);
+        let range = (bound - turns, most - turns);
+        let estimate =
+            |exchange: &mut Exchange| self.editor.energy_if((variant, timing), (exchange, response), range);
         let told = if self.keeps {
             let kept = proposal.exchange.get_or_init(|| make().map(Mutex::new)).as_ref()?;
             estimate(&mut kept.lock().unwrap_or_else(PoisonError::into_inner))?
@@ -119,11 +131,14 @@ impl<'a> Weighing<'a> {
         };
         match told {
             WhatIf::Energy(energy) => {
-                let total = energy.with_turns(self.turns(proposal)).total;
-                *proposal.last.lock().unwrap_or_else(PoisonError::into_inner) = Some(total);
+                let total = energy.with_turns(turns).total;
+                proposal.remember(total);
                 Some(total)
             }
-            WhatIf::TooMuch => Some(f64::INFINITY),
+            WhatIf::TooMuch(about) => {
+                about.into_iter().for_each(|about| proposal.remember(about + turns));
+                Some(f64::INFINITY)
+            }
         }
     }
 

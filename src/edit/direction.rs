@@ -90,6 +90,7 @@ impl Direction {
     /// Unit rotation from rest to the path `points`; none where it collapses.
     pub fn rotation(&self, points: &[c64]) -> c64 {
         let z = self.on(points) / self.rest;
-        if z.norm() < 1e-9 { c64::new(1.0, 0.0) } else { z / z.norm() }
+        let size = z.norm_sqr().sqrt();
+        if size < 1e-9 { c64::new(1.0, 0.0) } else { z / size }
     }
 }

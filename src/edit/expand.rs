@@ -83,7 +83,7 @@ pub fn expand_some(
 }
 
 /// Temporal rows of the constraints that are `wanted`.
-pub fn expand_times(scene: &Scene, wanted: impl Fn(&ConstraintKind) -> bool) -> Vec<TimeRow> {
+fn expand_times(scene: &Scene, wanted: impl Fn(&ConstraintKind) -> bool) -> Vec<TimeRow> {
     let constraints = scene.constraints.iter().enumerate().filter(|(_, constraint)| wanted(&constraint.kind));
     let rows = |(index, constraint): (usize, &Constraint)| {
         let row = move |tie: Tie| TimeRow {

@@ -137,6 +137,11 @@ impl Hold {
         }
     }
 
+    /// Whether a ground point is held.
+    pub fn is_position(&self) -> bool {
+        matches!(self, Self::Position { .. })
+    }
+
     /// Whether a direction is held rather than a position.
     pub fn is_direction(&self) -> bool {
         matches!(self, Self::Facing { .. } | Self::RelativeFacing { .. })

@@ -3,7 +3,7 @@
 //! Unknown are deviations from a reference path that satisfies all interior rows, so that only held rows have targets: what
 //! they miss on the reference.
 
-use cotillion_solvers::{Dependency, KktError, PathResponse, PointRow, RowMatrix, analyse_rank};
+use cotillion_solvers::{Dependency, Effort, KktError, PathResponse, PointRow, RowMatrix, analyse_rank};
 
 use crate::constraint::Strength;
 use crate::edit::columns::{Columns, Freedom};
@@ -28,7 +28,8 @@ pub struct PhaseSolver {
     hard: Vec<usize>,
     /// Combinations of hard rows, by position in `hard`, that vanish.
     dependent: Vec<Dependency<c64>>,
-    /// Positions in `rows` of what the system holds, and the rows themselves: all but redundant ones.
+    /// Positions in `rows` of what the system holds: all but redundant ones; and the rows themselves once the direct system is
+    /// made.
     kept: Vec<usize>,
     kept_rows: Vec<PointRow<c64>>,
     /// Targets of `rows`, of the hard ones, and of `kept`.
@@ -60,7 +61,7 @@ impl PhaseSolver {
         let kept: Vec<usize> = (0..rows.len()).filter(|row| redundant.binary_search(row).is_err()).collect();
         let kept_rows: Vec<PointRow<c64>> = kept.iter().map(|row| rows[*row].1.clone()).collect();
         let reduced = match backend {
-            Backend::Reduced => ReducedPhase::new(freedom, &kept_rows, settings),
+            Backend::Reduced => ReducedPhase::new(freedom, kept_rows, settings),
             Backend::Direct | Backend::Published => None,
         };
         Self {
@@ -75,7 +76,7 @@ impl PhaseSolver {
             hard,
             dependent,
             kept,
-            kept_rows,
+            kept_rows: Vec::new(),
         }
     }
 
@@ -109,8 +110,11 @@ impl PhaseSolver {
     }
 
     fn direct(&mut self, freedom: Freedom, settings: &SpatialSettings) -> &mut DirectPhase {
-        let (rows, backend) = (&self.kept_rows, self.backend);
-        self.direct.get_or_insert_with(|| Box::new(DirectPhase::new(freedom, rows, settings, backend)))
+        let Self { direct, kept_rows, kept, rows, backend, .. } = self;
+        direct.get_or_insert_with(|| {
+            *kept_rows = kept.iter().map(|row| rows[*row].1.clone()).collect();
+            Box::new(DirectPhase::new(freedom, kept_rows, settings, *backend))
+        })
     }
 
     /// Takes over what the system before knows of the pattern, if only coefficients have changed since.
@@ -207,14 +211,14 @@ impl PhaseSolver {
         if rows.len() != self.rows.len() || !rows.iter().zip(&self.rows).all(stays) {
             return None;
         }
-        let kept_rows: Vec<PointRow<c64>> = rows.iter().map(|(_, row)| row.clone()).collect();
-        let reduced = reduced.exchanged((path, freedom), &kept_rows, settings, response)?;
+        let reduced_rows = rows.iter().map(|(_, row)| row.clone()).collect();
+        let reduced = reduced.exchanged((path, freedom), reduced_rows, settings, response)?;
         Some(Self {
             rows,
             hard: self.hard.clone(),
             dependent: Vec::new(),
             kept: self.kept.clone(),
-            kept_rows,
+            kept_rows: Vec::new(),
             deviations: self.deviations.clone(),
             hard_deviations: self.hard_deviations.clone(),
             kept_deviations: self.kept_deviations.clone(),
@@ -223,6 +227,11 @@ impl PhaseSolver {
             backend: Backend::Reduced,
             answer: Backend::Reduced,
         })
+    }
+
+    /// How far reduced solves go from now on.
+    pub fn set_effort(&mut self, effort: Effort) {
+        self.reduced.iter_mut().for_each(|reduced| reduced.effort = effort);
     }
 
     /// Number of free motions that are fixed as at rest.
@@ -237,17 +246,19 @@ const SAME: f64 = 1e-12;
 
 /// Whether two rows are the same but for their terms on path `path` and their weight if they have any there.
 fn differ_on(path: usize, new: &PointRow<c64>, old: &PointRow<c64>) -> bool {
-    let own = |term: &&Term| term.0 == path;
-    let touches = |row: &PointRow<c64>| row.terms.iter().any(|term| own(&term));
+    let touches = |row: &PointRow<c64>| row.terms.iter().any(|term| term.0 == path);
     let equally_strong = match (new.weight, old.weight) {
         (Some(_), Some(_)) if touches(new) && touches(old) => true,
         (new, old) => new == old,
     };
-    let elsewhere =
-        |row: &PointRow<c64>| row.terms.iter().filter(|term| !own(term)).copied().collect::<Vec<_>>();
-    let (new, old) = (elsewhere(new), elsewhere(old));
-    let same = |(a, b): (&Term, &Term)| (a.0, a.1) == (b.0, b.1) && (a.2 - b.2).norm() <= SAME * b.2.norm();
-    equally_strong && new.len() == old.len() && new.iter().zip(&old).all(same)
+    let same = |a: &Term, b: &Term| {
+        (a.0, a.1) == (b.0, b.1) && (a.2 - b.2).norm_sqr() <= SAME * SAME * b.2.norm_sqr()
+    };
+    let mut elsewhere = [new, old].map(|row| row.terms.iter().filter(|term| term.0 != path));
+    let [new, old] = &mut elsewhere;
+    equally_strong
+        && new.all(|term| old.next().is_some_and(|known| same(term, known)))
+        && old.next().is_none()
 }
 
 /// Held rows that bind in this phase.

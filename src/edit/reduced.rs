@@ -1,7 +1,7 @@
 //! One phase reduced exactly to its held rows: paths as springs.
 
 use cotillion_solvers::{
-    Bent, Compliance, ComplianceAnalysis, ComplianceFactor, KktError, PathResponse, PointRow,
+    Bent, Compliance, ComplianceAnalysis, ComplianceFactor, Effort, KktError, PathResponse, PointRow,
 };
 use rayon::prelude::*;
 
@@ -17,28 +17,27 @@ pub struct ReducedPhase {
     factor: Option<(ComplianceFactor, Bent)>,
     /// Of held rows, then of rigid stretches, which are 0.
     targets: Vec<c64>,
-    /// Ten digits are enough.
-    rough: bool,
+    /// Of solves.
+    pub effort: Effort,
 }
 
 impl ReducedPhase {
     /// Assembles, or `None` where springs cannot express the paths, or where there are so many rows on the same frames that
     /// all frames are the smaller system. `rows`: held rows, the hard ones independent. Cost: linear in frames.
-    pub fn new(freedom: Freedom, rows: &[PointRow<c64>], settings: &SpatialSettings) -> Option<Self> {
-        if crowded(freedom.paths.len(), rows) {
+    pub fn new(freedom: Freedom, mut rows: Vec<PointRow<c64>>, settings: &SpatialSettings) -> Option<Self> {
+        if crowded(freedom.paths.len(), &rows) {
             return None;
         }
         let paths = (0..freedom.paths.len()).into_par_iter().with_min_len(16);
         let paths = paths.map(|path| spring_path(freedom, path, settings)).collect::<Option<Vec<_>>>()?;
-        let mut all = rows.to_vec();
-        all.extend(run_rows(freedom));
-        let targets = vec![c64::default(); all.len()];
+        rows.extend(run_rows(freedom));
+        let targets = vec![c64::default(); rows.len()];
         Some(Self {
-            problem: Compliance::new(paths, all),
+            problem: Compliance::new(paths, rows),
             analysis: None,
             factor: None,
             targets,
-            rough: false,
+            effort: Effort::Full,
         })
     }
 
@@ -76,10 +75,7 @@ impl ReducedPhase {
     pub fn solve(&mut self, targets: &[c64]) -> bool {
         self.targets[..targets.len()].copy_from_slice(targets);
         let Some((factor, bent)) = &mut self.factor else { return false };
-        let solved = match self.rough {
-            true => bent.estimate(&self.problem, factor, &self.targets),
-            false => bent.solve(&self.problem, factor, &self.targets),
-        };
+        let solved = bent.solve_to(self.effort, (&self.problem, factor), &self.targets);
         solved.is_ok() && bent.settled()
     }
 
@@ -108,18 +104,23 @@ impl ReducedPhase {
     pub fn exchanged(
         &self,
         (path, freedom): (usize, Freedom),
-        rows: &[PointRow<c64>],
+        mut rows: Vec<PointRow<c64>>,
         settings: &SpatialSettings,
         response: &PathResponse,
     ) -> Option<Self> {
         let (factor, _) = self.factor.as_ref()?;
-        let mut all = rows.to_vec();
-        all.extend(run_rows(freedom));
-        let targets = vec![c64::default(); all.len()];
-        let problem = self.problem.with_path(path, spring_path(freedom, path, settings)?, all)?;
+        rows.extend(run_rows(freedom));
+        let targets = vec![c64::default(); rows.len()];
+        let problem = self.problem.with_path(path, spring_path(freedom, path, settings)?, rows)?;
         let factor = response.factor((&self.problem, factor), &problem).ok()?;
         let bent = Bent::new(&problem, &factor);
-        Some(Self { problem, analysis: None, factor: Some((factor, bent)), targets, rough: true })
+        Some(Self {
+            problem,
+            analysis: None,
+            factor: Some((factor, bent)),
+            targets,
+            effort: Effort::Estimate,
+        })
     }
 
     /// Free motions fixed as at rest.

@@ -232,6 +232,18 @@ impl SpatialComponent {
         }
     }
 
+    /// Goes on where the solve before ended for lack of the scale system.
+    ///
+    /// # Errors
+    /// As [`SpatialComponent::solve`].
+    pub fn go_on(&mut self, most: f64) -> Result<Solved, SpatialError> {
+        match self.solve_scale()? {
+            None => Ok(Solved::Both),
+            Some(Attempt::Ended(solved)) => Ok(solved),
+            Some(Attempt::Release(_)) => self.solve_below(most),
+        }
+    }
+
     fn attempt(&mut self, most: f64) -> Result<Attempt, SpatialError> {
         self.rest_rotations();
         // Where nobody turns on the spot, the first shape is the last one: no need to draw it if it takes too much.

@@ -4,7 +4,7 @@
 //! stand for two factorisations, and solutions are refined as always. Mathematics: the exchange of a path in
 //! `cotillion_solvers`.
 
-use cotillion_solvers::PathResponse;
+use cotillion_solvers::{Effort, PathResponse};
 
 use crate::edit::bodies::leave_to_the_body;
 use crate::edit::facing::Body;
@@ -83,11 +83,11 @@ pub fn exchanged(
     })
 }
 
-/// Gives an exchanged group its scale system; `None` where more would change than the path. Most shapes take too much already.
+/// Gives an exchanged group its scale system, to be solved by `effort`; `None` where more would change than the path. Most shapes take too much already.
 pub fn complete(
     group: &SpatialComponent,
     response: &GroupResponse,
-    own: &mut SpatialComponent,
+    (own, effort): (&mut SpatialComponent, Effort),
 ) -> Option<()> {
     if !group.released.is_empty() {
         return None;
@@ -96,6 +96,13 @@ pub fn complete(
     let freedom = freedom((&own.rests, &[]), Phase::Scale, &settings, &[]);
     let path = (response.path, freedom);
     own.scale = group.scale.exchanged(path, &own.held, &settings, &response.phases[1])?;
+    set_effort(own, effort);
     own.lacks_scale = false;
     Some(())
+}
+
+/// How far solves of a group go from now on.
+pub fn set_effort(group: &mut SpatialComponent, effort: Effort) {
+    group.shape.set_effort(effort);
+    group.scale.set_effort(effort);
 }

@@ -1,4 +1,4 @@
-//! Lower bounds of what the energy would be if one character performed another track.
+//! What is known of the energy with another track before anything is solved in space.
 
 use super::Editor;
 use super::variant::{Space, Timing, Variant, place_of};
@@ -9,12 +9,21 @@ use crate::edit::hold::{Hold, Prepared};
 use crate::edit::phase::weight_of;
 use crate::geometry::c64;
 use crate::index::CharacterId;
-use crate::path::RestPath;
+use crate::path::{COINCIDENT, RestPath};
 
 /// Bounds are lowered by this share of the energies they come from, and by as much without units.
 const ROUNDING: f64 = 1e-9;
 
 impl Editor {
+    /// Whether a variant takes the very path that its character has, to rounding.
+    pub fn has_path(&self, variant: &Variant) -> bool {
+        let (own, present) = (&variant.rest, &self.edit.characters[variant.character].rest);
+        let near = |(a, b): (&c64, &c64)| (a - b).norm_sqr() <= COINCIDENT * COINCIDENT;
+        own.len() == present.len()
+            && own.rigid == present.rigid
+            && own.positions.iter().zip(&present.positions).all(near)
+    }
+
     /// A lower bound of [`Editor::energy_of`]: exact times; paths that go straight from one place to the next. Cost: by the
     /// rows and the frames of the variant, and the rows of its group.
     pub fn energy_bound(&self, variant: &Variant, timing: &Timing) -> f64 {

@@ -1,5 +1,6 @@
-//! What the energy would be if one character performed another track: only who is connected to them is solved, and a lower
-//! bound takes less than that.
+//! What the energy would be if one character performed another track: only who is connected to them is solved.
+
+use cotillion_solvers::Effort;
 
 use crate::clip::working::WORKING_STEP;
 use crate::constraint::ConstraintKind;
@@ -12,7 +13,7 @@ use crate::edit::retarget::{retarget, seconds_of};
 use crate::edit::spatial::{Solved, SpatialComponent};
 use crate::edit::temporal::{TemporalComponent, TemporalSettings};
 use crate::edit::time_row::TimeRow;
-use crate::edit::what_if::{GroupResponse, complete, exchanged, response};
+use crate::edit::what_if::{GroupResponse, complete, exchanged, response, set_effort};
 use crate::index::{CharacterId, ConstraintId};
 use crate::path::RestPath;
 use crate::scene::Scene;
@@ -32,7 +33,7 @@ pub struct Variant {
     /// Rest path of the other track.
     pub rest: RestPath,
     /// Spatial rows of all constraints that name the character, in their order; paths are numbered as characters.
-    held: Vec<Prepared>,
+    pub(super) held: Vec<Prepared>,
     /// Temporal rows of these, likewise.
     times: Vec<TimeRow>,
     /// These constraints, rising.
@@ -71,9 +72,12 @@ pub struct Exchange {
 pub enum WhatIf {
     /// Ê.
     Energy(Energy),
-    /// More than was asked about.
-    TooMuch,
+    /// More than was asked about; about how much, if that is known.
+    TooMuch(Option<f64>),
 }
+
+/// A sketched Ê is off by no more than this, relative to 1 and itself: a hundred times what was seen.
+const SKETCHED: f64 = 1e-3;
 
 /// What a variant makes of the paths that are tied to it.
 pub(super) struct Space {
@@ -217,29 +221,49 @@ impl Editor {
         Some(Exchange { group: index, component })
     }
 
-    /// [`Editor::energy_of`] to ten digits, for the present targets; `None` where the exchange does not tell. It is given up
-    /// where the shape alone takes more than `most`, in Ê. Cost: linear in the frames of the group.
+    /// [`Editor::energy_of`] to ten digits, for the present targets; `None` where the exchange does not tell. It is sketched
+    /// first, and given up where it is surely more than `most`; `least`: what it is at least. Cost: linear in the frames of
+    /// the group.
     pub fn energy_if(
         &self,
-        (variant, timing): (&Variant, &Timing),
-        (Exchange { group, component }, response): (&mut Exchange, &GroupResponse),
-        most: f64,
+        whom: (&Variant, &Timing),
+        (exchange, response): (&mut Exchange, &GroupResponse),
+        (least, most): (f64, f64),
     ) -> Option<WhatIf> {
+        let timing = whom.1;
         if timing.is_entangled() {
             return None;
         }
-        component.held.iter_mut().for_each(|prepared| {
+        exchange.component.held.iter_mut().for_each(|prepared| {
             retarget(&mut prepared.row, &self.scene);
         });
-        timing.objects.place(*group, &mut component.held);
+        timing.objects.place(exchange.group, &mut exchange.component.held);
+        let doubtful = most + SKETCHED * (1.0 + most);
+        match self.energy_below(whom, (exchange, response), (doubtful - least, Effort::Sketch))? {
+            WhatIf::Energy(energy) if energy.total <= doubtful => {
+                self.energy_below(whom, (exchange, response), (most - least, Effort::Estimate))
+            }
+            WhatIf::Energy(energy) => Some(WhatIf::TooMuch(Some(energy.total))),
+            given_up => Some(given_up),
+        }
+    }
+
+    /// Ê by some effort, given up where the shape alone takes more than `most`, in Ê.
+    fn energy_below(
+        &self,
+        (variant, timing): (&Variant, &Timing),
+        (Exchange { group, component }, response): (&mut Exchange, &GroupResponse),
+        (most, effort): (f64, Effort),
+    ) -> Option<WhatIf> {
         let most = most * WORKING_STEP.powi(3);
+        set_effort(component, effort);
         let mut solved = component.solve_below(most).ok()?;
         if solved == Solved::LacksScale {
-            complete(&self.spatial[*group].component, response, component)?;
-            solved = component.solve_below(most).ok()?;
+            complete(&self.spatial[*group].component, response, (component, effort))?;
+            solved = component.go_on(most).ok()?;
         }
         if solved != Solved::Both {
-            return Some(WhatIf::TooMuch);
+            return Some(WhatIf::TooMuch(None));
         }
         let lengths = component.bodies.iter().map(|body| body.length).collect();
         let mut spaces = vec![space_of(*group, component, lengths)];
