@@ -67,6 +67,9 @@ pub struct Weighing<'a> {
     keeps: bool,
 }
 
+/// What changes nothing has the present Ê to this, relative to 1 and itself; a gain of as little is none.
+const REPEATED: f64 = 1e-8;
+
 /// Exchanged groups are kept up to about so many frames of all of them, each a few hundred bytes.
 const MOST_FRAMES_KEPT: usize = 500_000;
 
@@ -103,7 +106,8 @@ impl<'a> Weighing<'a> {
     pub fn bound(&self, proposal: &Proposal) -> f64 {
         let Some(variant) = self.variant(proposal) else { return f64::INFINITY };
         if proposal.repeats && self.editor.has_path(variant) {
-            return self.editor.edit().energy.total + self.turns(proposal);
+            let present = self.editor.edit().energy.total + self.turns(proposal);
+            return present - REPEATED * (1.0 + present);
         }
         let timing = self.timing(variant);
         let Some(timing) = timing.get().and_then(Option::as_ref) else { return f64::INFINITY };

@@ -9,16 +9,19 @@ use crate::edit::hold::{Hold, Prepared};
 use crate::edit::phase::weight_of;
 use crate::geometry::c64;
 use crate::index::CharacterId;
-use crate::path::{COINCIDENT, RestPath};
+use crate::path::RestPath;
 
 /// Bounds are lowered by this share of the energies they come from, and by as much without units.
 const ROUNDING: f64 = 1e-9;
+
+/// Points of one path spliced in two ways are apart by rounding only, metres.
+const SAME_PLACE: f64 = 1e-11;
 
 impl Editor {
     /// Whether a variant takes the very path that its character has, to rounding.
     pub fn has_path(&self, variant: &Variant) -> bool {
         let (own, present) = (&variant.rest, &self.edit.characters[variant.character].rest);
-        let near = |(a, b): (&c64, &c64)| (a - b).norm_sqr() <= COINCIDENT * COINCIDENT;
+        let near = |(a, b): (&c64, &c64)| (a - b).norm_sqr() <= SAME_PLACE * SAME_PLACE;
         own.len() == present.len()
             && own.rigid == present.rigid
             && own.positions.iter().zip(&present.positions).all(near)
