@@ -127,6 +127,22 @@ pub fn hand_overs(carries: &[Carry]) -> impl Iterator<Item = (usize, usize)> {
     carries.iter().enumerate().filter_map(move |(next, carry)| Some((last.insert(carry.object, next)?, next)))
 }
 
+/// Pairs of carries of different objects by the same hands, by position in `carries`, and whose these are; in the order of the
+/// second ones. Cost: linear in carries, but for those of one character.
+pub fn same_hands(carries: &[Carry]) -> Vec<(usize, usize, CharacterId)> {
+    let mut of: BTreeMap<CharacterId, Vec<usize>> = BTreeMap::new();
+    let mut pairs = Vec::new();
+    for (second, carry) in carries.iter().enumerate() {
+        for who in &carry.by {
+            let own = of.entry(*who).or_default();
+            let others = own.iter().filter(|first| carries[**first].object != carry.object);
+            pairs.extend(others.map(|first| (*first, second, *who)));
+            own.push(second);
+        }
+    }
+    pairs
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -9,8 +9,6 @@ mod asked;
 mod hands;
 mod possession;
 
-use std::collections::BTreeMap;
-
 use glam::{DQuat, DVec3};
 
 use crate::clip::facing::facing;
@@ -19,7 +17,7 @@ use crate::constraint::Moment;
 use crate::geometry::{plan_of, yaw};
 use crate::index::{CharacterId, JointId, ObjectId};
 use crate::limb::Limb;
-use crate::object::{Carry, Course, ObjectPose, hand_overs};
+use crate::object::{Carry, Course, ObjectPose, hand_overs, same_hands};
 use crate::scene::Scene;
 use crate::skeleton::{JointFrame, Pose, Skeleton};
 use crate::touch::{Hand, WristPose, arm_of};
@@ -181,25 +179,19 @@ pub struct TwoLoads {
 /// The first carry that asks for the hands of somebody who still carries something else, if any. Cost: linear in carries, but for
 /// those of one character.
 pub fn two_loads(scene: &Scene, performance: &impl Performance) -> Option<TwoLoads> {
-    let mut of: BTreeMap<CharacterId, Vec<(usize, [f64; 2])>> = BTreeMap::new();
-    for (index, carry) in scene.carries.iter().enumerate() {
-        let during = [&carry.during.0, &carry.during.1].map(|moment| moment_time(scene, performance, moment));
-        carry.by.iter().for_each(|who| of.entry(*who).or_default().push((index, during)));
-    }
-    let clash =
-        |character: CharacterId, (first, own): (usize, [f64; 2]), (second, next): (usize, [f64; 2])| {
-            let seconds = own[1].min(next[1]) - own[0].max(next[0]);
-            let is_clash = scene.carries[first].object != scene.carries[second].object && seconds > HAND_OVER;
-            is_clash.then_some(TwoLoads { character, overlap: Overlap { first, second, seconds } })
-        };
-    let clashes = of.iter().flat_map(|(character, carries)| {
-        let pairs = carries
-            .iter()
-            .enumerate()
-            .flat_map(|(at, next)| carries[..at].iter().map(move |own| (own, next)));
-        pairs.filter_map(|(own, next)| clash(*character, *own, *next))
-    });
-    clashes.min_by_key(|clash| (clash.overlap.second, clash.overlap.first))
+    let during = |carry: usize| {
+        let (grasp, release) = &scene.carries[carry].during;
+        [grasp, release].map(|moment| moment_time(scene, performance, moment))
+    };
+    same_hands(&scene.carries).into_iter().find_map(|(first, second, character)| {
+        let seconds = both(during(first), during(second));
+        (seconds > HAND_OVER).then_some(TwoLoads { character, overlap: Overlap { first, second, seconds } })
+    })
+}
+
+/// For how long two carries last at once, seconds; 0 and less where they do not.
+pub fn both([grasp, release]: [f64; 2], [begins, ends]: [f64; 2]) -> f64 {
+    release.min(ends) - grasp.max(begins)
 }
 
 /// All objects of a scene along time. Cost: linear in working frames of carries and joints.

@@ -18,8 +18,8 @@ use crate::edit::moved::time_of;
 use crate::edit::spatial::SpatialComponent;
 use crate::edit::temporal::TemporalComponent;
 use crate::index::{CharacterId, ConstraintId, ObjectId};
-use crate::object::hand_overs;
-use crate::object_motion::{HAND_OVER, Possession, Possessor, possession_before, possessions};
+use crate::object::{hand_overs, same_hands};
+use crate::object_motion::{HAND_OVER, Possession, Possessor, both, possession_before, possessions};
 use crate::scene::Scene;
 
 /// Objects of a scene, by whom they concern.
@@ -27,6 +27,8 @@ use crate::scene::Scene;
 pub(super) struct ObjectTies {
     /// Of each temporal component: carries that follow each other, one of them of its characters.
     hand_overs: Vec<Vec<(usize, usize)>>,
+    /// Of each temporal component: carries of different objects by the same hands, whose these are, one of its characters.
+    same_hands: Vec<Vec<(usize, usize, CharacterId)>>,
     /// Of each temporal component: rows relative to objects, by position in the list of these, that its times may move.
     rows_in_time: Vec<Vec<usize>>,
     /// Of each spatial component: rows on its paths.
@@ -99,6 +101,11 @@ impl ObjectTies {
                 .into_iter()
                 .for_each(|own| pairs[own].push((first, second)));
         }
+        let mut loads = vec![Vec::new(); temporal.len()];
+        for pair in same_hands(&scene.carries) {
+            let who = [pair.0, pair.1].into_iter().flat_map(|carry| carriers(scene, carry));
+            unique(who.map(|who| component[who])).into_iter().for_each(|own| loads[own].push(pair));
+        }
         for (index, (row, _)) in following.iter().enumerate() {
             let concerned = components[row.object.as_usize()].iter().copied().chain([component[row.at.path]]);
             unique(concerned).into_iter().for_each(|own| rows[own].push(index));
@@ -119,6 +126,7 @@ impl ObjectTies {
         }
         Self {
             hand_overs: pairs,
+            same_hands: loads,
             rows_in_time: rows,
             rows_in_space: Vec::new(),
             named: own,
@@ -212,6 +220,7 @@ impl Editor {
         }
         let clock = Clock { editor: self, variant, characters, times };
         clock.overlap(&self.ties.hand_overs[index])?;
+        clock.two_loads(&self.ties.same_hands[index])?;
         let entangled = self.ties.entangled[self.ties.sets[variant.character]];
         if entangled {
             return Ok(ObjectsThen { coupled: true, ..ObjectsThen::default() });
@@ -305,6 +314,20 @@ impl Clock<'_> {
             if seconds > HAND_OVER {
                 let [first, second] = [*first, *second].map(|carry| carry_named(&self.editor.scene, carry));
                 return Err(EditError::CarriesOverlap { first, second, seconds });
+            }
+        }
+        Ok(())
+    }
+
+    fn two_loads(&self, same_hands: &[(usize, usize, CharacterId)]) -> Result<(), EditError> {
+        for (first, second, character) in same_hands {
+            let [own, other] = [first, second].map(|carry| [0, 1].map(|end| self.moment(*carry, end)));
+            let seconds = both(own, other);
+            if seconds > HAND_OVER {
+                let scene = &self.editor.scene;
+                let [first, second] = [*first, *second].map(|carry| carry_named(scene, carry));
+                let character = scene.characters[character.as_usize()].name.clone();
+                return Err(EditError::HandsTaken { character, first, second, seconds });
             }
         }
         Ok(())
