@@ -3,7 +3,7 @@
 //!
 //! What is carried is between the hands as they are before this stage; bodies are reached where they are after it. So who
 //! reaches somebody waits for them, and all others are corrected in parallel. Those who reach each other, or whose hands
-//! meet, are corrected in turn, three times: hands meet in the middle, and where one falls short the other comes to it.
+//! meet, are corrected in turn, four times: hands meet in the middle, and where one falls short the other comes to it.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
@@ -172,8 +172,8 @@ fn known_by<P>(stage: &Stage<'_, P>, who: CharacterId) -> BTreeSet<CharacterId> 
 }
 
 /// Sweeps over characters that reach each other: after the second hands are where they meet, after the third also turned as asked
-/// by a hand that goes with its forearm.
-const SWEEPS: usize = 3;
+/// by a hand that goes with its forearm, after the fourth also where bodies have to come nearer.
+const SWEEPS: usize = 4;
 
 /// Corrects a group; `done`: of everybody who is corrected already. `clocks`: of everybody, see [`sample_times`].
 fn in_turn(
