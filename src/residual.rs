@@ -225,7 +225,7 @@ pub fn moment_times(scene: &Scene, edit: &Edit) -> Vec<MomentTime> {
     scene.moments().filter(|moment| known.insert(&moment.name)).map(time).collect()
 }
 
-/// Largest residual of a constraint of some kind ([`ConstraintKind::keyword`]) in the unit of its kind: metres for places, degrees
+/// Largest residual of a constraint of some kind ([`keyword`](crate::constraint::ConstraintKind::keyword)) in the unit of its kind: metres for places, degrees
 /// where only a facing is held, seconds for times.
 pub fn largest(kind: &str, residual: &Residual) -> (f64, &'static str) {
     match kind {

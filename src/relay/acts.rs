@@ -9,7 +9,7 @@ use crate::clip::working::WorkingClip;
 use crate::geometry::{c64, cis};
 use crate::index::SourceFrame;
 
-/// Between the palms that carry, metres: room for the hands of two on the box, one behind the other's.
+/// Between the palms that carry, metres: room for the hands of two on the box, one before the other's.
 pub const WIDTH: f64 = 0.3;
 
 /// Stature for which the numbers below hold, metres.
@@ -22,7 +22,7 @@ pub const REACH: f64 = 0.59;
 pub const GRASP: f64 = 0.58;
 
 /// Between the palms of two who hold one box, metres.
-pub const PALMS_APART: f64 = 0.16;
+pub const PALMS_APART: f64 = 0.24;
 
 /// A clip of the relay.
 #[derive(Clone, Debug)]

@@ -26,7 +26,7 @@ pub(super) fn boxes(layout: &Layout) -> Group {
         tables: r#"
 [[group.object]]
 name = "box {n}"
-size = [0.4, 0.3, 0.3]                      # ahead, up, across: room for the hands of two, one behind the other's
+size = [0.44, 0.3, 0.3]                     # ahead, up, across: room for the hands of two, one before the other's
 position = "{position}"
 facing = "{facing}"
 

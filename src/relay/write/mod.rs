@@ -23,7 +23,7 @@ pub fn scene(relay: &Relay, layout: &Layout, command: &str) -> String {
         text += "\n[discrete]                                  # steps come and go where boxes are carried, and nowhere else\n";
         text += "kinds = [\"duplicate\", \"delete\"]\n";
     }
-    text += "\n# The boxes, and who picks each of them up: palms 0.08 m behind its middle, which leaves room for the next.\n";
+    text += "\n# The boxes, and who picks each of them up: palms 0.12 m behind its middle, which leaves room for the next.\n";
     text += &group(&boxes(layout));
     text += "\n# Those who carry. The first picks its box up and hands it on.\n";
     text += &first(layout);
