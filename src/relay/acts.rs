@@ -161,7 +161,7 @@ mod tests {
 
     #[test]
     fn ways_are_walked_with_hardly_any_deformation() {
-        for spacing in [SPACINGS.0, 3.4, 5.0, 7.7, 20.0, SPACINGS.1] {
+        for spacing in [SPACINGS.0, 3.5, 5.0, 7.7, 20.0, SPACINGS.1] {
             let distance = spacing - 2.0 * REACH - PALMS_APART;
             let carried = carry(distance);
             let off = (carried.distance() - distance).abs();

@@ -209,7 +209,11 @@ fn chain(
         let (here, there) = (meeting(curve, spacing, n, count), meeting(curve, spacing, n + 1, count));
         let before = carriers.last().copied();
         let take = match before {
-            None => Place { position: here, facing: (there - here).arg() },
+            // As far from the first hand-over as all others are from theirs.
+            None => {
+                let facing = (there - here).arg();
+                Place { position: here + cis(facing) * (0.5 * apart(stature, stature)), facing }
+            }
             Some(giver) => {
                 let ahead = cis(giver.give.facing);
                 let position = giver.give.position + ahead * apart(giver.stature, stature);
