@@ -18,7 +18,7 @@ pub mod sole;
 pub mod ballistics;
 pub mod stages;
 pub mod zmp;
-//pub mod masses;
+pub mod masses;
 
 use glam::{DVec2, DVec3};
 
