@@ -2,7 +2,7 @@
 //!
 //! [`body_model`] gives every skeleton links with masses; [`posed`] has their places along time; [`derivatives`] filters and
 //! differentiates them; [`support`] has polygons; [`sole`] finds the soles of the feet in a clip; [`stages`] tells ground from
-//! flight; [`zmp`] has the zero moment point and its distance to the polygon; [`masses`] fits masses to motion that is known to
+//! flight; [`zmp`] has the zero moment point and its distance to the polygon; [`flight`] makes flights physical; [`masses`] fits masses to motion that is known to
 //! be physical.
 //!
 //! Plan points here are `(x, z)` of the world (a mirrored plan: counter-clockwise here is clockwise seen from above).
@@ -18,6 +18,7 @@ pub mod sole;
 pub mod ballistics;
 pub mod stages;
 pub mod zmp;
+pub mod flight;
 pub mod masses;
 
 use glam::{DVec2, DVec3};
