@@ -10,7 +10,7 @@ use std::path::{Path, PathBuf};
 use cotillion::physics::flight::{FlightSettings, fly};
 
 fn main() {
-    let folder = mocap_folder().unwrap();
+    let folder = mocap_folder().unwrap(); if std::env::var_os("PROBE").is_some() { probe(&folder); return; }
     for file in [
         "amc/cmu_16_05_forward_jump.amc", "amc/cmu_16_03_high_jump_in_place.amc", "amc/cmu_02_04_jump_then_balance_on_one_leg.amc",
         "amc/cmu_49_02_jump_up_and_down_hop_on_one_foot.amc", "amc/cmu_127_21_run_jump_stop_run.amc","amc/cmu_127_25_run_jump_over_obstacle.amc",
@@ -48,4 +48,23 @@ fn mocap_folder() -> Option<PathBuf> {
     let beside = Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/mocap");
     let set = std::env::var_os("COTILLION_MOCAP").map(PathBuf::from);
     [set, Some(beside)].into_iter().flatten().find(|folder| folder.is_dir())
+}
+#[allow(dead_code)]
+fn probe(folder: &Path) {
+    use cotillion::physics::posed::*; use cotillion::physics::flight::momentum::pairs; use glam::{DQuat,DMat3,DVec3};
+    use cotillion::physics::flight::turning::*; use cotillion::geometry::log;
+    let jump = jumps::load(folder, "amc/cmu_49_02_jump_up_and_down_hop_on_one_foot.amc").unwrap();
+    let posed = PosedClip::of(&jump.clip);
+    for (range, name) in [((750,813),"own"),((756,810),"shorter"),((750,813),"point"),((750,813),"even"),((750,813),"twice"),((750,813),"mean")] {
+        let mut body = jump.body.clone();
+        for l in &mut body.links { let t = (l.inertia.x_axis.x+l.inertia.y_axis.y+l.inertia.z_axis.z)/3.0; match name { "point" => l.inertia *= 1e-6, "even" => l.inertia = DMat3::from_diagonal(DVec3::splat(t)), "twice" => l.inertia *= 2.0, _ => {} } }
+        let p = pairs(&body, &posed, range, None);
+        let s = settled(&p, 1.0);
+        let turns = if name == "mean" { accumulated(&p, Aim{target: mean_momentum(&p), share:1.0}, 12) } else { s.turns.clone() };
+        let (at, worst) = turns.iter().enumerate().max_by(|a,b| log(*a.1).length().total_cmp(&log(*b.1).length())).unwrap();
+        println!("{name} worst {:.2} at {} axis {:.2?} K {:.1?} target {:.2}", log(*worst).length().to_degrees(), at+range.0, (log(*worst)*57.3).to_array(), p[at.min(p.len()-1)].momentum([DQuat::IDENTITY;2]).resistance.to_cols_array(), s.target);
+    }
+    for l in &jump.body.links { println!("{:?} {} {:.2} {:.4?}", l.segment, jump.clip.skeleton.joints[l.joint.as_usize()].name, l.mass, l.inertia.to_cols_array()); }
+    let p = pairs(&jump.body, &posed, (750,813), None);
+    for k in 774..788 { println!("{k} {:.1?} {:.2}", p[k-751].momentum([DQuat::IDENTITY;2]).value, log(posed.frame(k)[0].rotation*posed.frame(k-1)[0].rotation.inverse())*57.3); }
 }

@@ -6,8 +6,7 @@ use glam::{DQuat, DVec3};
 
 use crate::clip::{Clip, MovingOffset};
 use crate::geometry::{exp, log};
-use crate::physics::GRAVITY;
-use crate::physics::ballistics::{FlightCheck, PLAUSIBLE_GRAVITY, check_flight};
+use crate::physics::ballistics::{FlightCheck, check_flight};
 use crate::physics::body_model::BodyModel;
 use crate::physics::derivatives::Kernel;
 use crate::physics::derivatives::orientation::smooth_logs;
@@ -15,7 +14,7 @@ use crate::physics::flight::halves::{Half, replace};
 use crate::physics::flight::momentum::pairs;
 use crate::physics::flight::parabola::{Parabola, parabola};
 use crate::physics::flight::turning::{
-    Aim, FRAME_STEPS, NO_TURN, Settled, accumulated, end_preserving_momentum, mean_momentum, settled,
+    Aim, Settled, aimed, end_preserving_momentum, mean_momentum, settled,
 };
 use crate::physics::flight::{FlightSettings, FlightStep, MomentumTarget};
 use crate::physics::posed::{PosedClip, centers_of_mass, link_places};
@@ -36,14 +35,13 @@ pub(super) struct Block {
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Path {
     pub(super) parabola: Parabola,
-    /// Kilogram square metres a second.
-    pub(super) momentum: DVec3,
+    /// Its momentum.
+    pub(super) aim: Aim,
     pub(super) newton_steps: usize,
     /// Largest turn of the body against the input, radians.
     pub(super) largest_turn: f64,
     /// Of the last frame, against the first: what neighbours are to fade out.
     pub(super) landing_turn: DQuat,
-    pub(super) check: Option<FlightCheck>,
 }
 
 impl Block {
@@ -83,15 +81,14 @@ impl Block {
         }
     }
 
-    /// Flies `own`, its frames ([`Self::cut`]).
-    pub(super) fn fly(&self, own: &mut Clip, body: &BodyModel, settings: &FlightSettings) -> Path {
-        let (check, gravity) = self.fall(&centers(own, body), own.fps, settings);
+    /// Flies `own`, its frames ([`Self::cut`]), so that it falls by `gravity`, m/s².
+    pub(super) fn fly(&self, own: &mut Clip, body: &BodyModel, gravity: f64, settings: &FlightSettings) -> Path {
         for step in &settings.steps {
             self.step(own, body, gravity, step);
         }
         let posed = PosedClip::of(own);
         let mut settled = self.settle(body, &posed, settings.target);
-        let is_kept = settled.last_turn().length() < NO_TURN;
+        let is_kept = settled.keeps_end();
         if is_kept {
             settled.ramp_off();
         }
@@ -110,23 +107,18 @@ impl Block {
                 place(own, frame, (*center, parabola.at(frame as f64 * posed.step())), *turn);
             }
         }
-        let Settled { target: momentum, newton_steps, .. } = settled;
-        Path { parabola, momentum, newton_steps, largest_turn, landing_turn, check }
+        let Settled { aim, newton_steps, .. } = settled;
+        Path { parabola, aim, newton_steps, largest_turn, landing_turn }
     }
 
-    /// How it falls, and how fast it is to fall, m/s².
-    fn fall(&self, centers: &[DVec3], fps: f64, settings: &FlightSettings) -> (Option<FlightCheck>, f64) {
-        let heights: Vec<f64> = centers.iter().map(|center| center.y).collect();
-        let air = self.airborne();
-        let within = (air.start - self.first, air.end - 1 - self.first);
-        let check = check_flight(&heights, within, fps).map(|check| FlightCheck {
-            first: air.start,
-            last: air.end - 1,
-            ..check
-        });
-        let falls_oddly = |check: &FlightCheck| check.gravity > 0.0 && !PLAUSIBLE_GRAVITY.contains(&check.gravity);
-        let odd = check.filter(|check| settings.trust_fall && falls_oddly(check));
-        (check, odd.map_or(GRAVITY, |check| check.gravity))
+    /// How it falls as captured. A clip that starts or ends in the air shows too little of a flight to tell.
+    pub(super) fn check(&self, clip: &Clip, body: &BodyModel) -> Option<FlightCheck> {
+        if self.held != [true, true] {
+            return None;
+        }
+        let heights: Vec<f64> = centers(&self.cut(clip), body).iter().map(|center| center.y).collect();
+        let check = check_flight(&heights, (1, heights.len() - 2), clip.fps)?;
+        Some(FlightCheck { first: self.first + 1, last: self.last - 1, ..check })
     }
 
     /// Whether `frame`, counted from its first, is on the ground.
@@ -136,10 +128,9 @@ impl Block {
 
     fn settle(&self, body: &BodyModel, posed: &PosedClip, target: MomentumTarget) -> Settled {
         let pairs = pairs(body, posed, (0, posed.frame_count() - 1), None);
-        let towards = |target: DVec3| Settled {
-            turns: accumulated(&pairs, Aim { target, share: 1.0 }, FRAME_STEPS),
-            target,
-            newton_steps: 0,
+        let towards = |target: DVec3| {
+            let aimed = aimed(&pairs, Aim { target, share: 1.0 });
+            if aimed.is_exact() { aimed } else { settled(&pairs, 1.0) }
         };
         match target {
             MomentumTarget::Landing => settled(&pairs, 1.0),

@@ -20,6 +20,8 @@ pub mod report;
 pub mod turning;
 
 use crate::clip::Clip;
+use crate::physics::GRAVITY;
+use crate::physics::ballistics::{FlightCheck, PLAUSIBLE_GRAVITY};
 use crate::physics::body_model::BodyModel;
 use crate::physics::flight::block::Block;
 use crate::physics::flight::halves::HalfName;
@@ -60,17 +62,18 @@ pub struct FlightSettings {
     pub target: MomentumTarget,
     /// Seconds in which neighbours on the ground fade out what is left at a border.
     pub fade: f64,
-    /// Whether flights of 0.2 s and more that fall neither as bodies do nor at a tenth of it are left to fall as fast as they do: their
-    /// rate or scale is wrong, and a parabola of true gravity would bury or lift them.
-    pub trust_fall: bool,
+    /// Whether flights that fall otherwise than bodies do may go on to fall as fast as they do (and flights too short to tell as fast as
+    /// the longest one of the clip): their rate or scale is wrong, and a parabola of true gravity would bury or lift them.
+    pub trusts_fall: bool,
 }
 
 /// Seconds in which neighbours fade out: 15 frames at 30 fps.
 const FADE: f64 = 0.5;
 
 impl Default for FlightSettings {
+    /// Without steps of halves: on captured jumps these turn joints farther than the whole body would have to turn.
     fn default() -> Self {
-        Self { steps: Vec::new(), target: MomentumTarget::default(), fade: FADE, trust_fall: true }
+        Self { steps: Vec::new(), target: MomentumTarget::default(), fade: FADE, trusts_fall: true }
     }
 }
 
@@ -128,19 +131,29 @@ pub fn fly(
     let mut flown = clip.clone();
     let runs = stages.flight_runs();
     let neighbours = Neighbours::of(clip, stages, &runs, settings.fade);
+    let blocks: Vec<Block> = runs.iter().map(|run| Block::of(*run, clip.frame_count())).collect();
+    let checks: Vec<Option<FlightCheck>> = blocks.iter().map(|block| block.check(clip, body)).collect();
     let mut landed: Vec<Landed> = Vec::with_capacity(runs.len());
-    for (index, run) in runs.iter().enumerate() {
-        let block = Block::of(*run, clip.frame_count());
+    for (index, (block, check)) in blocks.into_iter().zip(&checks).enumerate() {
         let mut own = block.cut(&flown);
-        let path = block.fly(&mut own, body, settings);
+        let path = block.fly(&mut own, body, gravity(*check, &checks, settings), settings);
         let turns = neighbours.border_turns(index, &flown, body, (&block, path.landing_turn));
         block.put(&mut flown, own, body, turns);
         neighbours.fade_out(index, &mut flown, body, (&block, turns));
-        landed.push(Landed { block, path, turns });
+        landed.push(Landed { block, path, turns, check: *check });
     }
     let posed = [PosedClip::of(clip), PosedClip::of(&flown)];
     let report = FlightReport::of([clip, &flown], [&posed[0], &posed[1]], body, stages, &landed);
     Ok(Flown { clip: flown, report })
+}
+
+/// By how much a flight is to fall, m/s². `checks`: of all flights.
+fn gravity(own: Option<FlightCheck>, checks: &[Option<FlightCheck>], settings: &FlightSettings) -> f64 {
+    let longest = || checks.iter().flatten().copied().max_by_key(|check| check.last - check.first);
+    let falls_otherwise =
+        |check: &FlightCheck| check.gravity > 0.0 && !PLAUSIBLE_GRAVITY.contains(&check.gravity);
+    let odd = own.or_else(longest).filter(|check| settings.trusts_fall && falls_otherwise(check));
+    odd.map_or(GRAVITY, |check| check.gravity)
 }
 
 fn check(clip: &Clip, stages: &Stages, settings: &FlightSettings) -> Result<(), FlightError> {

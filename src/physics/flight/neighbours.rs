@@ -14,10 +14,10 @@ use crate::physics::flight::replant::Legs;
 use crate::physics::stages::Stages;
 
 /// The ground between the flights of a clip.
-pub(super) struct Neighbours {
+pub(super) struct Neighbours<'a> {
     /// As many as flights; with frames in which each fades out before and after.
     zones: Vec<[Zone; 2]>,
-    legs: Legs,
+    legs: Legs<'a>,
 }
 
 /// Frames beside one border.
@@ -31,10 +31,10 @@ pub(super) struct Zone {
     pub(super) length: usize,
 }
 
-impl Neighbours {
+impl<'a> Neighbours<'a> {
     /// Zones beside the flights `runs`, first and last frame of each, `fade` seconds long; where two overlap, half of the ground between.
     /// `clip`: what feet are brought back to.
-    pub(super) fn of(clip: &Clip, stages: &Stages, runs: &[(usize, usize)], fade: f64) -> Self {
+    pub(super) fn of(clip: &'a Clip, stages: &Stages, runs: &[(usize, usize)], fade: f64) -> Self {
         let count = clip.frame_count();
         let longest = floor_index((fade * clip.fps).round());
         let zones = (0..runs.len()).map(|index| {
@@ -83,7 +83,7 @@ impl Neighbours {
         [exp(-half), exp(half)]
     }
 
-    /// Fades out `turns`, by which the borders of flight `index` were turned, in the frames beside it. `is_ground`: of either side.
+    /// Fades out `turns`, by which the borders of flight `index` were turned, in the frames beside it.
     pub(super) fn fade_out(&self, index: usize, clip: &mut Clip, body: &BodyModel, (block, turns): (&Block, [DQuat; 2])) {
         for (side, (zone, turn)) in self.zones[index].iter().zip(turns).enumerate() {
             if turn != DQuat::IDENTITY && block.held[side] {

@@ -4,7 +4,7 @@ use glam::DVec3;
 
 use crate::clip::Clip;
 use crate::clip::contacts::runs;
-use crate::full_body::chain::{Chain, EndPose, legs};
+use crate::full_body::chain::{Chain, EndPose, Place, legs};
 use crate::full_body::fade::{Slopes, Span, fill};
 use crate::geometry::{exp, log};
 use crate::index::SourceFrame;
@@ -13,16 +13,16 @@ use crate::physics::sole::Side;
 use crate::physics::stages::{Bearer, Stages};
 
 /// Legs of a clip, and where its feet stand.
-pub(super) struct Legs {
-    legs: Vec<Leg>,
+pub(super) struct Legs<'a> {
+    legs: Vec<Leg<'a>>,
 }
 
-struct Leg {
+struct Leg<'a> {
     chain: Chain,
     /// One a frame.
     stands: Vec<bool>,
-    /// Of the input, one a frame.
-    feet: Vec<EndPose>,
+    /// Where feet are as they should.
+    input: &'a Clip,
 }
 
 /// A leg reaches no farther than this share of its length.
@@ -30,9 +30,9 @@ const REACH: f64 = 0.9995;
 /// Seconds over which a foot that stands takes along those frames before and after in which it does not.
 const FADE: f64 = 5.0 / 30.0;
 
-impl Legs {
+impl<'a> Legs<'a> {
     /// Legs of `clip` as they are. Skeletons without the names of legs have none.
-    pub(super) fn of(clip: &Clip, stages: &Stages) -> Self {
+    pub(super) fn of(clip: &'a Clip, stages: &Stages) -> Self {
         let leg = |(chain, side): (Option<Chain>, Side)| {
             let chain = chain?;
             let mut stands = vec![false; clip.frame_count()];
@@ -40,8 +40,7 @@ impl Legs {
             for support in own {
                 stands.iter_mut().zip(&support.bears).for_each(|(stands, bears)| *stands |= bears);
             }
-            let foot = |frame| chain.place(&clip.skeleton, &clip.pose(SourceFrame::from_usize(frame))).end_pose();
-            Some(Leg { chain, stands, feet: (0..clip.frame_count()).map(foot).collect() })
+            Some(Leg { chain, stands, input: clip })
         };
         let both = legs(&clip.skeleton).into_iter().zip([Side::Left, Side::Right]);
         Self { legs: both.filter_map(leg).collect() }
@@ -53,7 +52,7 @@ impl Legs {
         self.legs.iter().filter(|leg| leg.stands[frame]).all(|leg| {
             let limb = leg.chain.place(&clip.skeleton, &pose).limb;
             let length: f64 = limb.lengths().iter().sum();
-            let asked = limb.upper.distance(leg.feet[frame].position);
+            let asked = limb.upper.distance(leg.foot(frame).position);
             // As far as captured it reaches anyway.
             asked <= (REACH * length).max(limb.upper.distance(limb.lower))
         })
@@ -67,7 +66,13 @@ impl Legs {
     }
 }
 
-impl Leg {
+impl Leg<'_> {
+    /// Of the input.
+    fn foot(&self, frame: usize) -> EndPose {
+        let pose = self.input.pose(SourceFrame::from_usize(frame));
+        self.chain.place(&self.input.skeleton, &pose).end_pose()
+    }
+
     fn replant(&self, clip: &mut Clip, zone: Zone) {
         let frames: Vec<usize> = zone.frames().collect();
         let stands: Vec<bool> = frames.iter().map(|frame| self.stands[*frame]).collect();
@@ -77,8 +82,8 @@ impl Leg {
         let mut poses: Vec<_> =
             frames.iter().map(|frame| clip.pose(SourceFrame::from_usize(*frame))).collect();
         let places: Vec<_> = poses.iter().map(|pose| self.chain.place(&skeleton, pose)).collect();
-        let moved = |(place, frame): (&crate::full_body::chain::Place, &usize)| {
-            let foot = self.feet[*frame];
+        let moved = |(place, frame): (&Place, &usize)| {
+            let foot = self.foot(*frame);
             [
                 foot.position - place.limb.lower,
                 log(foot.rotation * place.lower_rotation.inverse()),

@@ -11,7 +11,7 @@ use crate::physics::ballistics::FlightCheck;
 use crate::physics::body_model::BodyModel;
 use crate::physics::derivatives::Filter;
 use crate::physics::flight::block::{Block, Path};
-use crate::physics::flight::momentum::pairs;
+use crate::physics::flight::momentum::{Pair, pairs};
 use crate::physics::posed::{PosedClip, centers_of_mass, link_places};
 use crate::physics::stages::Stages;
 use crate::physics::zmp::{Balance, DistanceSummary, ForceSettings, balances, distance_summary, link_forces};
@@ -23,12 +23,14 @@ pub struct FlightFacts {
     pub first: usize,
     /// Last frame in the air.
     pub last: usize,
-    /// How it fell before; `None` for a flight of less than 0.2 s.
+    /// How it fell before; `None` for a flight of less than 0.2 s, or one that is cut off by an end of the clip.
     pub check: Option<FlightCheck>,
     /// How fast it falls now, m/s².
     pub gravity: f64,
     /// Angular momentum about the centre of mass that it now has, kg m²/s.
     pub momentum: DVec3,
+    /// Share of the way to it that is gone: 1 but for bodies that would have to tumble for it.
+    pub share: f64,
     /// Farthest that the momentum of two successive frames is from that, kg m²/s.
     pub momentum_errors: [f64; 2],
     /// Farthest of the centre of mass from its parabola, metres.
@@ -59,6 +61,7 @@ pub(super) struct Landed {
     pub(super) block: Block,
     pub(super) path: Path,
     pub(super) turns: [DQuat; 2],
+    pub(super) check: Option<FlightCheck>,
 }
 
 /// Turns beyond this are doubtful, degrees: what is small along the long axis of a body is divided by a small inertia.
@@ -102,6 +105,9 @@ impl fmt::Display for FlightFacts {
         if self.turns_far() {
             write!(f, "; turns of more than {FAR_TURN_DEG:.0}° are doubtful")?;
         }
+        if self.share < 1.0 {
+            write!(f, "; only {:.0} % of the way to one momentum", 100.0 * self.share)?;
+        }
         match &self.check {
             Some(check) if check.is_doubtful() => write!(f, "; {check}"),
             _ => Ok(()),
@@ -124,7 +130,7 @@ impl FlightReport {
         let by = |filter: Filter| posed.map(|posed| balanced(body, posed, stages, filter));
         let (gaussian, judged) = (by(Filter::Gaussian), by(Filter::Butterworth));
         let centers = posed.map(|posed| centers_of_mass(body, &link_places(body, posed)));
-        let facts = |Landed { block, path, turns }: &Landed| {
+        let facts = |Landed { block, path, turns, check }: &Landed| {
             let air = block.airborne();
             let beside = |balances: &[Vec<Option<Balance>>; 2]| {
                 [0, 1].map(|at| beside(&balances[at], block, posed[at].fps))
@@ -132,11 +138,12 @@ impl FlightReport {
             FlightFacts {
                 first: air.start,
                 last: air.end - 1,
-                check: path.check,
+                check: *check,
                 gravity: path.parabola.gravity,
-                momentum: turns[0] * path.momentum,
-                momentum_errors: posed.map(|posed| momentum_error(body, posed, block, turns[0] * path.momentum)),
+                momentum: turns[0] * path.aim.target,
+                momentum_errors: posed.map(|posed| momentum_error(body, posed, block, turns[0] * path.aim.target)),
                 center_errors: [0, 1].map(|at| center_error(&centers[at], block, path, posed[at].step())),
+                share: path.aim.share,
                 largest_turn: path.largest_turn,
                 newton_steps: path.newton_steps,
                 border_turns: turns.map(|turn| log(turn).length()),
@@ -165,9 +172,7 @@ fn beside(balances: &[Option<Balance>], block: &Block, fps: f64) -> Option<Dista
 
 fn momentum_error(body: &BodyModel, posed: &PosedClip, block: &Block, momentum: DVec3) -> f64 {
     let pairs = pairs(body, posed, (block.first, block.last), None);
-    let error = |pair: &crate::physics::flight::momentum::Pair| {
-        pair.momentum([DQuat::IDENTITY; 2]).value.distance(momentum)
-    };
+    let error = |pair: &Pair| pair.momentum([DQuat::IDENTITY; 2]).value.distance(momentum);
     pairs.iter().map(error).fold(0.0, f64::max)
 }
 

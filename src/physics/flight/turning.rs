@@ -29,33 +29,42 @@ const FRAME_MISS: f64 = 1e-12;
 ///     D_0 = 1,   D_k = Exp(K⁻¹ (h_aim,k − h) dt) D  from D = D_{k−1} on, over and over
 /// ```
 pub fn accumulated(pairs: &[Pair], aim: Aim, steps: usize) -> Vec<DQuat> {
-    let mut turn = DQuat::IDENTITY;
+    recursion(pairs, aim, steps).0
+}
+
+/// Turns, and the farthest that the momentum of a pair still is from what it should be, kg m²/s.
+fn recursion(pairs: &[Pair], aim: Aim, steps: usize) -> (Vec<DQuat>, f64) {
     let mut turns = Vec::with_capacity(pairs.len() + 1);
-    turns.push(turn);
-    for pair in pairs {
+    turns.push(DQuat::IDENTITY);
+    let mut farthest = 0.0_f64;
+    for (pair, frame) in pairs.iter().zip(0..) {
         let wanted = if aim.share == 1.0 {
             aim.target
         } else {
             pair.momentum([DQuat::IDENTITY; 2]).value.lerp(aim.target, aim.share)
         };
-        turn = turned_to(pair, turn, wanted, steps);
+        let (turn, miss) = turned_to(pair, turns[frame], wanted, steps);
         turns.push(turn);
+        farthest = farthest.max(miss);
     }
-    turns
+    (turns, farthest)
 }
 
-/// The turn of the later frame of `pair` that gives it the momentum `wanted` while the earlier is turned by `before`.
-fn turned_to(pair: &Pair, before: DQuat, wanted: DVec3, steps: usize) -> DQuat {
+/// The turn of the later frame of `pair` that gives it the momentum `wanted` while the earlier is turned by `before`, and what was missing
+/// before its last step.
+fn turned_to(pair: &Pair, before: DQuat, wanted: DVec3, steps: usize) -> (DQuat, f64) {
     let mut turn = before;
+    let mut missing = 0.0;
     for _ in 0..steps {
         let momentum = pair.momentum([before, turn]);
         let miss = wanted - momentum.value;
-        if miss.length() <= FRAME_MISS {
+        missing = miss.length();
+        if missing <= FRAME_MISS {
             break;
         }
         turn = (exp(solved(&momentum.resistance, miss * pair.step)) * turn).normalize();
     }
-    turn
+    (turn, missing)
 }
 
 /// A matrix whose determinant is a smaller share than this of what even resistance would have is singular.
@@ -99,13 +108,31 @@ pub fn end_preserving_momentum(pairs: &[Pair]) -> DVec3 {
 pub struct Settled {
     /// One a frame, of a pair more than there are pairs.
     pub turns: Vec<DQuat>,
-    /// Momentum aimed at, kg m²/s.
-    pub target: DVec3,
+    /// Momentum aimed at, and the share of the way to it that is gone, which is less than asked for where there is no more.
+    pub aim: Aim,
     /// Newton steps on it.
     pub newton_steps: usize,
+    /// Farthest that the momentum of a pair is from what it should be, kg m²/s.
+    pub miss: f64,
+}
+
+/// Turns by which pairs have the momentum aimed at, wherever that turns the last frame. Cost: linear in pairs times links.
+pub fn aimed(pairs: &[Pair], aim: Aim) -> Settled {
+    let (turns, miss) = recursion(pairs, aim, FRAME_STEPS);
+    Settled { turns, aim, newton_steps: 0, miss }
 }
 
 impl Settled {
+    /// Whether every pair has the momentum that it should.
+    pub fn is_exact(&self) -> bool {
+        self.miss <= EXACT * (1.0 + self.aim.target.length())
+    }
+
+    /// Whether besides the last frame is turned by nothing.
+    pub fn keeps_end(&self) -> bool {
+        self.is_exact() && self.last_turn().length() < NO_TURN
+    }
+
     /// Of the last frame: `Log D`, radians.
     pub fn last_turn(&self) -> DVec3 {
         self.turns.last().map_or(DVec3::ZERO, |turn| log(*turn))
@@ -125,40 +152,62 @@ impl Settled {
 
 /// The last frame is turned by nothing below this, radians: spread over a flight it is 1e-7 of the momentum of a slow jump.
 pub const NO_TURN: f64 = 1e-8;
+/// Of the momentum and of 1 kg m²/s: what pairs may miss.
+const EXACT: f64 = 1e-8;
 /// Newton steps on the momentum at most; two are needed, three where a body turns right over.
 const NEWTON_STEPS: usize = 10;
 /// Halvings of one Newton step.
 const HALVINGS: i32 = 5;
 /// Differences by which the Jacobian is taken, share of the momentum and of 1 kg m²/s.
 const DIFFERENCE: f64 = 1e-4;
+/// Stages in which a momentum is approached that cannot be reached at once.
+const STAGES: u32 = 8;
 
-/// Turns after which the last frame is turned by nothing (nearly: see [`Settled::last_turn`]): Newton's method on the momentum aimed
+/// Turns after which the last frame is turned by nothing (nearly: see [`Settled::keeps_end`]): Newton's method on the momentum aimed
 /// at, three unknowns for the three of `Log D` of the last frame, from [`end_preserving_momentum`]. Cost: linear, some ten times that of
 /// [`accumulated`].
 ///
-/// Approximate Jacobians (the sum of `K⁻¹`) stall; differences of the whole recursion do not.
+/// Bodies that must turn far are brought there stage by stage, and no farther than it works: a share of 0 turns nothing.
 pub fn settled(pairs: &[Pair], share: f64) -> Settled {
-    let at = |target: DVec3, newton_steps: usize| Settled {
-        turns: accumulated(pairs, Aim { target, share }, FRAME_STEPS),
-        target,
-        newton_steps,
-    };
-    let mut best = at(end_preserving_momentum(pairs), 0);
+    let start = end_preserving_momentum(pairs);
+    let direct = newton(pairs, aimed(pairs, Aim { target: start, share }));
+    if direct.keeps_end() {
+        return direct;
+    }
+    let mut best = aimed(pairs, Aim { target: start, share: 0.0 });
+    for stage in 1..=STAGES {
+        let share = share * f64::from(stage) / f64::from(STAGES);
+        let mut next = newton(pairs, aimed(pairs, Aim { target: best.aim.target, share }));
+        if !next.keeps_end() {
+            break;
+        }
+        next.newton_steps += best.newton_steps;
+        best = next;
+    }
+    best
+}
+
+/// Newton's method on the momentum from `best` on, as long as it brings the last frame nearer to where it was.
+///
+/// Approximate Jacobians (the sum of `K⁻¹`) stall; differences of the whole recursion do not.
+fn newton(pairs: &[Pair], mut best: Settled) -> Settled {
+    let share = best.aim.share;
+    let at = |target: DVec3| aimed(pairs, Aim { target, share });
     for step in 1..=NEWTON_STEPS {
         let miss = best.last_turn();
         if miss.length() < NO_TURN {
             break;
         }
-        let difference = DIFFERENCE * (1.0 + best.target.length());
-        let columns = [DVec3::X, DVec3::Y, DVec3::Z].map(|axis| {
-            let moved = at(best.target + difference * axis, step);
-            (moved.last_turn() - miss) / difference
-        });
+        let target = best.aim.target;
+        let difference = DIFFERENCE * (1.0 + target.length());
+        let columns = [DVec3::X, DVec3::Y, DVec3::Z]
+            .map(|axis| (at(target + difference * axis).last_turn() - miss) / difference);
         let change = solved(&DMat3::from_cols(columns[0], columns[1], columns[2]), -miss);
-        let tried = (0..HALVINGS).map(|halvings| at(best.target + change * 0.5_f64.powi(halvings), step));
-        let nearer = |next: &Settled| next.last_turn().length() < miss.length();
-        match tried.into_iter().find(nearer) {
-            Some(next) => best = next,
+        let mut tried = (0..HALVINGS).map(|halvings| at(target + change * 0.5_f64.powi(halvings)));
+        let is_nearer =
+            |next: &Settled| next.is_exact() && next.last_turn().length() < miss.length();
+        match tried.find(is_nearer) {
+            Some(next) => best = Settled { newton_steps: step, ..next },
             None => break,
         }
     }
