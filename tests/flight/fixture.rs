@@ -41,11 +41,7 @@ fn skeleton() -> Skeleton {
         role: None,
     };
     Skeleton {
-        joints: vec![
-            joint("torso", None, 0.0),
-            joint("thigh", Some(0), 0.05),
-            joint("shank", Some(1), 0.42),
-        ],
+        joints: vec![joint("torso", None, 0.0), joint("thigh", Some(0), 0.05), joint("shank", Some(1), 0.42)],
     }
 }
 

@@ -43,7 +43,10 @@ fn momenta_are_the_stated_ones() {
     let mean = mean_momentum(&pairs);
     assert!((mean.x - 38.317_989).abs() < DIGITS, "{mean}");
     let (average, largest) = errors(&momenta, mean);
-    assert!((average - 0.175_417).abs() < DIGITS && (largest - 0.307_712).abs() < DIGITS, "{average} {largest}");
+    assert!(
+        (average - 0.175_417).abs() < DIGITS && (largest - 0.307_712).abs() < DIGITS,
+        "{average} {largest}"
+    );
 }
 
 #[test]

@@ -6,6 +6,7 @@ use glam::{DQuat, DVec3};
 
 use crate::clip::{Clip, MovingOffset};
 use crate::geometry::{exp, log};
+use crate::limb::minimal_rotation;
 use crate::physics::ballistics::{FlightCheck, check_flight};
 use crate::physics::body_model::BodyModel;
 use crate::physics::derivatives::Kernel;
@@ -13,12 +14,9 @@ use crate::physics::derivatives::orientation::smooth_logs;
 use crate::physics::flight::halves::{Half, replace};
 use crate::physics::flight::momentum::pairs;
 use crate::physics::flight::parabola::{Parabola, parabola};
-use crate::physics::flight::turning::{
-    Aim, Settled, aimed, end_preserving_momentum, mean_momentum, settled,
-};
+use crate::physics::flight::turning::{Aim, Settled, aimed, end_preserving_momentum, mean_momentum, settled};
 use crate::physics::flight::{FlightSettings, FlightStep, MomentumTarget};
 use crate::physics::posed::{PosedClip, centers_of_mass, link_places};
-use crate::limb::minimal_rotation;
 
 /// Frames of a flight and of its borders on the ground.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -82,7 +80,13 @@ impl Block {
     }
 
     /// Flies `own`, its frames ([`Self::cut`]), so that it falls by `gravity`, m/s².
-    pub(super) fn fly(&self, own: &mut Clip, body: &BodyModel, gravity: f64, settings: &FlightSettings) -> Path {
+    pub(super) fn fly(
+        &self,
+        own: &mut Clip,
+        body: &BodyModel,
+        gravity: f64,
+        settings: &FlightSettings,
+    ) -> Path {
         for step in &settings.steps {
             self.step(own, body, gravity, step);
         }

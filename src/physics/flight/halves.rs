@@ -37,11 +37,9 @@ impl Half {
             .into_iter()
             .filter_map(|role| body.foot(skeleton, role))
             .collect();
-        let is_pelvis = |joint: JointId| {
-            joint == JointId(0) || hips.iter().any(|hip| is_below(skeleton, *hip, joint))
-        };
-        let is_leg =
-            |joint: JointId| hips.iter().any(|hip| *hip == joint || is_below(skeleton, joint, *hip));
+        let is_pelvis =
+            |joint: JointId| joint == JointId(0) || hips.iter().any(|hip| is_below(skeleton, *hip, joint));
+        let is_leg = |joint: JointId| hips.iter().any(|hip| *hip == joint || is_below(skeleton, joint, *hip));
         let is_border = |joint: &JointId| {
             let above = skeleton.joints[joint.as_usize()].parent;
             !is_pelvis(*joint) && !is_leg(*joint) && above.is_some_and(is_pelvis)

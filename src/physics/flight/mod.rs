@@ -164,7 +164,8 @@ fn check(clip: &Clip, stages: &Stages, settings: &FlightSettings) -> Result<(), 
     let is_amount = |value: f64| value.is_finite() && value >= 0.0;
     let is_step = |step: &FlightStep| is_amount(step.share) && is_amount(step.width);
     let places = clip.root_positions.iter().all(|place| place.is_finite());
-    let offsets = clip.moving_offsets.iter().flat_map(|moving| &moving.offsets).all(|offset| offset.is_finite());
+    let offsets =
+        clip.moving_offsets.iter().flat_map(|moving| &moving.offsets).all(|offset| offset.is_finite());
     let faults = [
         (places && offsets, "every place"),
         (clip.rotations.iter().all(|rotation| rotation.is_finite()), "every rotation"),

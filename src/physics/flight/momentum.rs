@@ -146,6 +146,13 @@ impl Pair {
     }
 }
 
+impl Pair {
+    /// Axes of the first link that turns, in the world.
+    pub(super) fn axes(&self) -> DMat3 {
+        self.spins.first().map_or(DMat3::IDENTITY, |spin| DMat3::from_quat(spin.rotation))
+    }
+}
+
 impl Spin {
     /// `R I Rᵀ Log(R1 R0ᵀ)` and `R I Rᵀ`, R half way.
     fn momentum(&self, [from, to]: [DQuat; 2]) -> (DVec3, DMat3) {

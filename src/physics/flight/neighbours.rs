@@ -84,7 +84,13 @@ impl<'a> Neighbours<'a> {
     }
 
     /// Fades out `turns`, by which the borders of flight `index` were turned, in the frames beside it.
-    pub(super) fn fade_out(&self, index: usize, clip: &mut Clip, body: &BodyModel, (block, turns): (&Block, [DQuat; 2])) {
+    pub(super) fn fade_out(
+        &self,
+        index: usize,
+        clip: &mut Clip,
+        body: &BodyModel,
+        (block, turns): (&Block, [DQuat; 2]),
+    ) {
         for (side, (zone, turn)) in self.zones[index].iter().zip(turns).enumerate() {
             if turn != DQuat::IDENTITY && block.held[side] {
                 self.turn(*zone, clip, body, turn);

@@ -36,7 +36,8 @@ impl<'a> Legs<'a> {
         let leg = |(chain, side): (Option<Chain>, Side)| {
             let chain = chain?;
             let mut stands = vec![false; clip.frame_count()];
-            let own = stages.supports.iter().filter(|own| matches!(own.bearer, Bearer::Sole(of, _) if of == side));
+            let own =
+                stages.supports.iter().filter(|own| matches!(own.bearer, Bearer::Sole(of, _) if of == side));
             for support in own {
                 stands.iter_mut().zip(&support.bears).for_each(|(stands, bears)| *stands |= bears);
             }
@@ -84,10 +85,7 @@ impl Leg<'_> {
         let places: Vec<_> = poses.iter().map(|pose| self.chain.place(&skeleton, pose)).collect();
         let moved = |(place, frame): (&Place, &usize)| {
             let foot = self.foot(*frame);
-            [
-                foot.position - place.limb.lower,
-                log(foot.rotation * place.lower_rotation.inverse()),
-            ]
+            [foot.position - place.limb.lower, log(foot.rotation * place.lower_rotation.inverse())]
         };
         let mut moves: Vec<[DVec3; 2]> = places.iter().zip(&frames).map(moved).collect();
         fill(&times, &spans, (FADE, Slopes::Level), &mut moves);

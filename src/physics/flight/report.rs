@@ -141,7 +141,8 @@ impl FlightReport {
                 check: *check,
                 gravity: path.parabola.gravity,
                 momentum: turns[0] * path.aim.target,
-                momentum_errors: posed.map(|posed| momentum_error(body, posed, block, turns[0] * path.aim.target)),
+                momentum_errors: posed
+                    .map(|posed| momentum_error(body, posed, block, turns[0] * path.aim.target)),
                 center_errors: [0, 1].map(|at| center_error(&centers[at], block, path, posed[at].step())),
                 share: path.aim.share,
                 largest_turn: path.largest_turn,

@@ -189,7 +189,8 @@ pub fn settled(pairs: &[Pair], share: f64) -> Settled {
 
 /// Newton's method on the momentum from `best` on, as long as it brings the last frame nearer to where it was.
 ///
-/// Approximate Jacobians (the sum of `K⁻¹`) stall; differences of the whole recursion do not.
+/// Approximate Jacobians (the sum of `K⁻¹`) stall; differences of the whole recursion do not. They go along axes of the body: whoever is
+/// turned as a whole flies as before.
 fn newton(pairs: &[Pair], mut best: Settled) -> Settled {
     let share = best.aim.share;
     let at = |target: DVec3| aimed(pairs, Aim { target, share });
@@ -200,12 +201,13 @@ fn newton(pairs: &[Pair], mut best: Settled) -> Settled {
         }
         let target = best.aim.target;
         let difference = DIFFERENCE * (1.0 + target.length());
-        let columns = [DVec3::X, DVec3::Y, DVec3::Z]
-            .map(|axis| (at(target + difference * axis).last_turn() - miss) / difference);
-        let change = solved(&DMat3::from_cols(columns[0], columns[1], columns[2]), -miss);
+        let axes = pairs.first().map_or(DMat3::IDENTITY, Pair::axes);
+        let slope = |axis: DVec3| (at(target + difference * axis).last_turn() - miss) / difference;
+        let jacobian = DMat3::from_cols(slope(axes.x_axis), slope(axes.y_axis), slope(axes.z_axis));
+        // Without an inverse this is no number, and no candidate nearer.
+        let change = axes * (jacobian.inverse() * -miss);
         let mut tried = (0..HALVINGS).map(|halvings| at(target + change * 0.5_f64.powi(halvings)));
-        let is_nearer =
-            |next: &Settled| next.is_exact() && next.last_turn().length() < miss.length();
+        let is_nearer = |next: &Settled| next.is_exact() && next.last_turn().length() < miss.length();
         match tried.find(is_nearer) {
             Some(next) => best = Settled { newton_steps: step, ..next },
             None => break,
