@@ -19,6 +19,8 @@ pub mod ballistics;
 pub mod stages;
 pub mod zmp;
 //pub mod masses;
+pub mod ground;
+pub mod touch_up;
 
 use glam::{DVec2, DVec3};
 
