@@ -61,7 +61,20 @@ fn explore(folder: &Path, _: &str) -> Result<(), Failed> {
             println!("{name} {label}: {:?} -> {:?} kept {}/{} miss {:?}->{:?} plant {:.4} mm {:.2e} root {:.0} mm joint {:.1} deg; {:.2} us", mm(&report.before), mm(&report.after), report.kept, report.steps.len(), report.before.miss.map(|m| m.map(|m| (m * 1e3).round())), report.after.miss.map(|m| m.map(|m| (m * 1e3).round())), report.plant_error * 1e3, report.plant_turn, report.root_shift * 1e3, report.largest_change.map_or(0.0, |c| c.angle.to_degrees()), time * 1e6 / (report.steps.len() * clip.frame_count()) as f64);
             println!("    {:?}", report.steps.iter().map(|s| mm(&s.judged)).collect::<Vec<_>>());
             println!("    {:?}", report.steps.iter().map(|s| (s.faults.unreachable, s.faults.clamped, s.faults.without_lever)).collect::<Vec<_>>());
-            if let Some(found) = edited.lean(&clip, &edited.clip) { println!("    lean {found:?}"); }
+            println!("    misses {:?}", report.steps.iter().map(|s| s.judged.miss.map(|m| m.map(|m| (m * 1e3).round()))).collect::<Vec<_>>());
+            let stride = 132;
+            let [before, after] = [&edited.clip, &clip].map(|clip| lean::Strides::of(clip, &edited.body, stride));
+            for margin in [34, 100] {
+            let frames = || before.frames(margin);
+            let by = |towards: &dyn Fn(usize) -> glam::DVec2| {
+                let added = lean::mean(frames().map(|k| after.lean(k, towards(k)) - before.lean(k, towards(k)))).to_degrees();
+                let own = lean::mean(frames().map(|k| before.lean(k, towards(k)))).to_degrees();
+                let asked = lean::mean(frames().map(|k| lean::balancing(before.acceleration(k).dot(towards(k))))).to_degrees();
+                (own, added, asked)
+            };
+            let speed = lean::mean(frames().map(|k| before.velocity(k).length()));
+            println!("    lean {:?} left {:.2?} ahead {:.2?} speed {speed:.2}", frames(), by(&|k| lean::left(before.ahead(k))), by(&|k| before.ahead(k)));
+            }
         }
     }
     Ok(())
