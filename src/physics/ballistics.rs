@@ -1,6 +1,9 @@
 //! What a flight falls like: a parabola fitted to the centre of mass, and what is doubtful where it is none.
 
+use glam::DVec3;
+
 use crate::clip::flight::fitted_gravity;
+use crate::index::floor_index;
 use crate::physics::GRAVITY;
 
 /// Shorter flights claim nothing, seconds.
@@ -10,6 +13,9 @@ pub const SHORTEST_FLIGHT: f64 = 0.2;
 pub const PLAUSIBLE_GRAVITY: std::ops::RangeInclusive<f64> = 8.3..=11.3;
 /// … and no farther from its parabola than this, metres.
 pub const PLAUSIBLE_RESIDUAL: f64 = 0.02;
+
+/// Share of a doubtful flight left out at either end.
+const BORDER: f64 = 0.1;
 
 /// How a flight falls.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -60,24 +66,32 @@ impl std::fmt::Display for FlightCheck {
 /// How the frames `first` to `last` of `heights` (of the centre of mass, unfiltered, metres, all frames at `fps`) fall; `None` for a
 /// flight shorter than [`SHORTEST_FLIGHT`].
 ///
+/// A flight that is doubtful is fitted once more without a tenth at either end: at a wrong rate labels begin and end where feet push.
 /// Rates and scales go by `fps·√(9.81/g)` and `9.81/g`.
 pub fn check_flight(heights: &[f64], (first, last): (usize, usize), fps: f64) -> Option<FlightCheck> {
     let count = last + 1 - first;
-    // A flight lasts from its first to its last frame and half a frame on either side; rounding is no shortage.
+    // Rounding is no shortage; three points have no residual.
     if (count as f64) < SHORTEST_FLIGHT * fps - 1e-6 || count < 4 {
         return None;
     }
-    let heights = &heights[first..=last];
-    let gravity = fitted_gravity(heights, 1.0 / fps);
-    let falls = gravity > 0.0;
-    Some(FlightCheck {
-        first,
-        last,
-        gravity,
-        residual: residual(heights, gravity, 1.0 / fps),
-        mending_rate: falls.then(|| fps * (GRAVITY / gravity).sqrt()),
-        mending_scale: falls.then(|| GRAVITY / gravity),
-    })
+    let fit = |from: usize, to: usize| {
+        let heights = &heights[from..=to];
+        let gravity = fitted_gravity(heights, 1.0 / fps);
+        let falls = gravity > 0.0;
+        FlightCheck {
+            first,
+            last,
+            gravity,
+            residual: residual(heights, gravity, 1.0 / fps),
+            mending_rate: falls.then(|| fps * (GRAVITY / gravity).sqrt()),
+            mending_scale: falls.then(|| GRAVITY / gravity),
+        }
+    };
+    let whole = fit(first, last);
+    let border = floor_index(BORDER * count as f64);
+    let inner = fit(first + border, last - border);
+    // What is right without its ends had only wrong labels, which are doubtful, too.
+    Some(if whole.is_doubtful() && inner.is_doubtful() { inner } else { whole })
 }
 
 /// Largest distance of `heights` from the parabola nearest to them, whose `gravity` is known, metres.
@@ -96,4 +110,14 @@ fn residual(heights: &[f64], gravity: f64, step: f64) -> f64 {
     let slope = product / norm_sq;
     let off = |(k, height): (usize, &f64)| (height - mean - slope * time(k)).abs();
     risen.iter().enumerate().map(off).fold(0.0, f64::max)
+}
+
+/// Velocity with which something must be thrown to be `displacement` (metres) away after `seconds`: `d/T − g T/2`, m/s.
+pub fn launch_velocity(displacement: DVec3, seconds: f64) -> DVec3 {
+    displacement / seconds + DVec3::Y * (0.5 * GRAVITY * seconds)
+}
+
+/// Where something thrown with `velocity` (m/s) is after `seconds`, from where it was, metres.
+pub fn thrown(velocity: DVec3, seconds: f64) -> DVec3 {
+    velocity * seconds - DVec3::Y * (0.5 * GRAVITY * seconds * seconds)
 }

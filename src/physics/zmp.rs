@@ -138,10 +138,12 @@ pub fn reactions(forces: &LinkForces) -> Vec<Reaction> {
     let mut reactions: Vec<Reaction> =
         forces.free_moments.iter().map(|moment| Reaction { force: DVec3::ZERO, moment: *moment }).collect();
     for link in 0..forces.places.lane_count() / 3 {
+        let places = forces.places.vector_lanes(link);
+        let pushes = forces.forces.vector_lanes(link);
         for (frame, reaction) in reactions.iter_mut().enumerate() {
-            let force = forces.forces.vector(link, frame);
+            let force = DVec3::from_array(pushes.map(|lane| lane[frame]));
             reaction.force += force;
-            reaction.moment += forces.places.vector(link, frame).cross(force);
+            reaction.moment += DVec3::from_array(places.map(|lane| lane[frame])).cross(force);
         }
     }
     reactions

@@ -125,7 +125,6 @@ impl Builder<'_> {
 
     /// Joints below the pelvis up to the chest, then the middle of the shoulders.
     fn trunk(&mut self) -> Result<(), BodyError> {
-        let hips = self.parts.middle(LEGS[0][0], LEGS[1][0]).unwrap_or_default();
         let pelvis = self.parts.joint(JointRole::Pelvis).unwrap_or(JointId(0));
         let top = self.top();
         let top_joint =
@@ -136,22 +135,25 @@ impl Builder<'_> {
         };
         let from = self.parts.at(pelvis);
         let Some(first) = chain.get(1) else {
-            let fraction = TRUNK / Segment::Pelvis.fraction();
-            self.piece(pelvis, [hips - from, top - from], Segment::Pelvis, fraction);
+            // From the hips up: the root of such a skeleton may be anywhere along the trunk.
+            let hips = self.parts.middle(LEGS[0][0], LEGS[1][0]).unwrap_or(from);
+            let share = TRUNK / Segment::Pelvis.fraction();
+            self.piece(pelvis, [hips - from, top - from], Segment::Pelvis, share);
             return Ok(());
         };
         let waist = self.parts.at(*first);
-        self.piece(pelvis, [hips - from, waist - from], Segment::Pelvis, 1.0);
+        self.piece(pelvis, [DVec3::ZERO, waist - from], Segment::Pelvis, 1.0);
         self.spine(&chain[1..], top);
         Ok(())
     }
 
-    /// Upper end of the trunk: the middle of the shoulders, else neck or head.
+    /// Upper end of the trunk: the middle of the shoulders or the neck, whichever is lower (rest poses may raise the shoulders, or bend
+    /// the neck high up), else the head.
     fn top(&self) -> Option<DVec3> {
         let shoulders = self.parts.middle(ARMS[0][0], ARMS[1][0]);
-        shoulders.or_else(|| {
-            [JointRole::Neck, JointRole::Head].into_iter().find_map(|role| self.parts.place(role))
-        })
+        let ends = [shoulders, self.parts.place(JointRole::Neck)];
+        let lower = ends.into_iter().flatten().min_by(|a, b| a.y.total_cmp(&b.y));
+        lower.or_else(|| self.parts.place(JointRole::Head))
     }
 
     /// Shares abdomen and thorax among `joints` (from below), the last of which reaches up to `top`.
@@ -172,12 +174,22 @@ impl Builder<'_> {
             }
             _ => {
                 let mut below = 0.0;
-                for at in bearing {
-                    let middle = (below + 0.5 * lengths[at]) / total;
-                    below += lengths[at];
-                    let is_low = middle < Segment::Abdomen.fraction() / UPPER_TRUNK;
-                    let segment = if is_low { Segment::Abdomen } else { Segment::Thorax };
-                    self.upper_trunk(joints[at], ends(at), segment, UPPER_TRUNK * lengths[at] / total, 0.5);
+                let segments: Vec<Segment> = bearing
+                    .iter()
+                    .map(|&at| {
+                        let middle = (below + 0.5 * lengths[at]) / total;
+                        below += lengths[at];
+                        let is_low = middle < Segment::Abdomen.fraction() / UPPER_TRUNK;
+                        if is_low { Segment::Abdomen } else { Segment::Thorax }
+                    })
+                    .collect();
+                for (&at, segment) in bearing.iter().zip(&segments) {
+                    let alike = bearing.iter().zip(&segments).filter(|(_, other)| *other == segment);
+                    let length: f64 = alike.map(|(&other, _)| lengths[other]).sum();
+                    let has_both =
+                        segments.contains(&Segment::Abdomen) && segments.contains(&Segment::Thorax);
+                    let fraction = if has_both { segment.fraction() } else { UPPER_TRUNK };
+                    self.upper_trunk(joints[at], ends(at), *segment, fraction * lengths[at] / length, 0.5);
                 }
             }
         }
@@ -196,15 +208,16 @@ impl Builder<'_> {
 
     /// The ear canal is at the joint of the head where the neck has its own, else at the end site, but no higher than ears are.
     fn head(&mut self) {
-        let up = DVec3::Y * (length::EAR_ABOVE_SHOULDER * self.stature);
         let (neck, head) = (self.parts.joint(JointRole::Neck), self.parts.joint(JointRole::Head));
         if let (Some(neck), Some(head)) = (neck, head) {
             let from = self.parts.at(neck) - self.parts.at(head);
             if from.length() > SAME_PLACE {
-                self.piece(head, [from, DVec3::ZERO], Segment::Head, 1.0);
+                let ear = from - from.clamp_length_max(length::EAR_ABOVE_NECK * self.stature);
+                self.piece(head, [from, ear], Segment::Head, 1.0);
                 return;
             }
         }
+        let up = DVec3::Y * (length::EAR_ABOVE_SHOULDER * self.stature);
         let chest = self.parts.joint(JointRole::Chest);
         let Some(joint) = head.or(neck).or(chest) else { return };
         let end = self.parts.skeleton.joints[joint.as_usize()].end_site;

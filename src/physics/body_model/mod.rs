@@ -1,10 +1,10 @@
 //! Links with masses for any skeleton.
 //!
 //! Segments go by the roles of joints, and by the tree where names tell nothing. The distal end of a segment is the next joint of
-//! its chain, else the end site, else a share of the stature. Extra joints within a limb share its mass by length, and so do the
-//! joints between pelvis and neck. Collars, toes, fingers and helpers have no mass.
+//! its chain, else the end site, else a share of the stature. Extra joints within a limb share its mass by length, and so do
+//! extra joints of the spine the mass of the abdomen (those whose middle is in its share of the trunk) and of the thorax. Collars, toes, fingers and helpers have no mass.
 //!
-//! The pelvis' link reaches from the middle of the hips to the first joint of the spine, wherever the root is. A last joint of the
+//! The pelvis' link reaches from its joint to the first joint of the spine; where these are one place, so is its mass. A last joint of the
 //! spine at shoulder height has no length and no mass: what lies below it has all of the upper trunk's.
 
 mod build;

@@ -107,7 +107,8 @@ impl<'a> Parts<'a> {
         chains.retain(|chain| chain.len() > 3);
         let end = |chain: &Vec<JointId>| self.rest[chain[chain.len() - 1].as_usize()] - self.rest[0];
         chains.sort_by(|a, b| end(a).y.total_cmp(&end(b).y));
-        let Some(legs) = self.sided(chains.get(..2)) else {
+        let lowest = chains.get(..2).filter(|both| both.iter().all(|chain| end(chain).y < 0.0));
+        let Some(legs) = self.sided(lowest) else {
             return;
         };
         let mut others: Vec<Vec<JointId>> =

@@ -173,6 +173,8 @@ pub(super) mod length {
     pub(in super::super) const HAND: f64 = 0.108;
     /// From shoulder height (0.818) to eye and ear height (0.936).
     pub(in super::super) const EAR_ABOVE_SHOULDER: f64 = 0.936 - 0.818;
+    /// From the neck's base (the seventh cervical vertebra, between shoulder and chin height) to the ear canal.
+    pub(in super::super) const EAR_ABOVE_NECK: f64 = 0.085;
     /// From the ankle ahead to the heads of the metatarsals: of the foot's 0.152, less heel and toes.
     pub(in super::super) const ANKLE_TO_BALL: f64 = 0.08;
 }

@@ -6,8 +6,8 @@ use super::Lanes;
 use super::kernel::extend;
 use crate::index::floor_index;
 
-/// Ends are extended by so many periods of the cut-off: the filter forgets in a fifth of one.
-const EXTENSION: f64 = 3.0;
+/// Ends are extended by so many periods of the cut-off: in each the filter forgets all but a hundredth.
+const EXTENSION: f64 = 6.0;
 
 /// `lanes` at `fps` without what is faster than `cutoff` Hz, without phase: the gain at the cut-off is 1/2. Ends are extended by
 /// point reflection. A cut-off at or above half the rate changes nothing. Cost: linear.
