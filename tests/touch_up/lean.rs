@@ -1,16 +1,17 @@
-//! How far bodies lean: the centre of mass against the middle of both feet, both averaged over a stride.
+//! How far bodies lean: the centre of mass against the middle of both feet (half way from ankle to ball), both averaged over a stride.
 
 use cotillion::clip::Clip;
 use cotillion::physics::GRAVITY;
-use cotillion::physics::body_model::BodyModel;
+use cotillion::physics::body_model::{BodyModel, Segment};
 use cotillion::physics::on_plan;
 use cotillion::physics::posed::{PosedClip, centers_of_mass, link_places};
-use cotillion::skeleton::JointRole;
 use glam::{DVec2, DVec3};
 
 /// A body's centre of mass and its feet along time, both averaged over a stride around each frame.
 pub(crate) struct Strides {
     centers: Vec<DVec3>,
+    /// The centre of mass, not averaged.
+    raw: Vec<DVec3>,
     feet: Vec<DVec3>,
     /// Frames to either side of the average.
     half: usize,
@@ -22,14 +23,18 @@ impl Strides {
     pub(crate) fn of(clip: &Clip, body: &BodyModel, stride: usize) -> Self {
         let posed = PosedClip::of(clip);
         let centers = centers_of_mass(body, &link_places(body, &posed));
-        let ankles =
-            [JointRole::LeftFoot, JointRole::RightFoot].map(|role| body.foot(&clip.skeleton, role).expect("bodies have feet"));
-        let feet: Vec<DVec3> = (0..posed.frame_count())
-            .map(|frame| ankles.map(|ankle| posed.at(frame, ankle).position))
-            .map(|[left, right]| left.midpoint(right))
-            .collect();
+        let places = link_places(body, &posed);
+        let feet: Vec<usize> =
+            (0..body.links.len()).filter(|link| body.links[*link].segment == Segment::Foot).collect();
+        let middle = |frame| feet.iter().map(|foot| places.vector(*foot, frame)).sum::<DVec3>() / feet.len() as f64;
+        let feet: Vec<DVec3> = (0..posed.frame_count()).map(middle).collect();
         let half = stride / 2;
-        Self { centers: averaged(&centers, half), feet: averaged(&feet, half), half, fps: clip.fps }
+        Self { centers: averaged(&centers, half), raw: centers, feet: averaged(&feet, half), half, fps: clip.fps }
+    }
+
+    /// Way of the centre of mass from one frame to another, on the plan, metres.
+    pub(crate) fn way(&self, from: usize, to: usize) -> DVec2 {
+        on_plan(self.raw[to] - self.raw[from])
     }
 
     /// Frames of whole strides, at least `margin` frames from both ends.

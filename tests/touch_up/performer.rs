@@ -1,16 +1,18 @@
 //! Captures with bodies and stages, and edits of them.
 
+use std::ops::Range;
 use std::path::Path;
+use std::sync::Arc;
 
 use cotillion::clip::Clip;
-use cotillion::clip::derived::{bent, blended, tilted};
+use cotillion::clip::derived::{Share, bent, blended, tilted};
 use cotillion::clip::file::read_file;
 use cotillion::clip::read::ReadOptions;
 use cotillion::index::SourceFrame;
 use cotillion::physics::body_model::{BodyModel, BodySettings, body_model};
-use cotillion::physics::ground::report::GroundReport;
+use cotillion::clip::gait::gait;
+use cotillion::clip::working::WorkingClip;
 use cotillion::physics::ground::target::Source;
-use cotillion::physics::ground::{GroundSettings, ground_pass};
 use cotillion::physics::posed::PosedClip;
 use cotillion::physics::stages::{StageSettings, Stages, stages};
 use libtest_mimic::Failed;
@@ -72,12 +74,27 @@ impl Edited {
         Ok(Self { clip: tilted(&capture.clip, degrees.to_radians())?, ..Self::untouched(capture) })
     }
 
-    pub(crate) fn blended(from: &Performance, to: &Performance) -> Result<Self, Failed> {
-        let Performance { clip, body, stages } = Performance::of(blended(&from.clip, &to.clip)?.clip)?;
-        Ok(Self { clip, body, stages, source: None })
+    /// And the frames of the blended cycle.
+    pub(crate) fn blended(from: &Performance, to: &Performance) -> Result<(Self, Range<usize>), Failed> {
+        let blend = blended(&from.clip, &to.clip)?;
+        let is_mixed = |share: &&Share| share.weight <= 0.0;
+        let first = blend.shares.iter().take_while(is_mixed).count();
+        let cycle = first..blend.alone_from().as_usize();
+        let Performance { clip, body, stages } = Performance::of(blend.clip)?;
+        Ok((Self { clip, body, stages, source: None }, cycle))
     }
 
-    pub(crate) fn touch_up(&self, settings: &GroundSettings) -> Result<(Clip, GroundReport), Failed> {
-        Ok(ground_pass(&self.clip, &self.body, &self.stages, self.source.as_ref(), settings)?)
+    /// Frames of its median cycle.
+    pub(crate) fn stride(&self) -> usize {
+        let clip = &self.clip;
+        let working = WorkingClip::new("stride", Arc::new(clip.clone()), clip.usable.0, clip.usable.1);
+        let moves: Vec<bool> = working.stationary.iter().map(|stands| !stands).collect();
+        let frames = gait(&working.contacts, &moves).cycle.unwrap_or(33) as f64 * clip.fps / 30.0;
+        cotillion::index::floor_index(frames.round())
+    }
+
+    /// Frames from the ends of a clip within which displacements fade: half the widest kernel and what filters have no data for.
+    pub(crate) fn edge(&self) -> usize {
+        cotillion::index::floor_index((0.17 + 20.0 / 30.0) * self.clip.fps)
     }
 }
