@@ -28,7 +28,8 @@ fn twelve(margin: f64) -> GroundSettings {
 pub(crate) fn nine_steps_with_margin(folder: &Path, _: &str) -> Result<(), Failed> {
     let mut faults = Vec::new();
     for (radius, bend) in bends(folder)? {
-        let Done { report, .. } = bend.touched_up(&format!("R {radius}, nine"), &GroundSettings::default())?;
+        let Done { report, .. } =
+            bend.touched_up(&format!("R {radius}, nine"), &GroundSettings::default())?;
         let [own, judge] = ratios(&report);
         if own > 1.0 / 20.0 || judge > 1.0 / 8.0 || !falls_at_every_step(&report) || report.steps.len() != 9 {
             faults.push(format!("R {radius}: {own:.3}, judge {judge:.3}"));
@@ -64,7 +65,8 @@ pub(crate) fn carried_lean(folder: &Path, _: &str) -> Result<(), Failed> {
     let mut faults = Vec::new();
     for (radius, bend) in bends(folder)? {
         let settings = GroundSettings { target: Target::Carried, ..GroundSettings::default() };
-        let share = share_of_lean(radius, &bend, &bend.touched_up(&format!("R {radius}, carried"), &settings)?);
+        let share =
+            share_of_lean(radius, &bend, &bend.touched_up(&format!("R {radius}, carried"), &settings)?);
         tell(&format!("    lean {share:.3} of atan(a/g)"));
         if (share - 1.0).abs() > 0.15 {
             faults.push(format!("R {radius}: {share:.3}"));

@@ -26,10 +26,17 @@ impl Strides {
         let places = link_places(body, &posed);
         let feet: Vec<usize> =
             (0..body.links.len()).filter(|link| body.links[*link].segment == Segment::Foot).collect();
-        let middle = |frame| feet.iter().map(|foot| places.vector(*foot, frame)).sum::<DVec3>() / feet.len() as f64;
+        let middle =
+            |frame| feet.iter().map(|foot| places.vector(*foot, frame)).sum::<DVec3>() / feet.len() as f64;
         let feet: Vec<DVec3> = (0..posed.frame_count()).map(middle).collect();
         let half = stride / 2;
-        Self { centers: averaged(&centers, half), raw: centers, feet: averaged(&feet, half), half, fps: clip.fps }
+        Self {
+            centers: averaged(&centers, half),
+            raw: centers,
+            feet: averaged(&feet, half),
+            half,
+            fps: clip.fps,
+        }
     }
 
     /// Way of the centre of mass from one frame to another, on the plan, metres.
@@ -58,7 +65,8 @@ impl Strides {
     /// Acceleration over half a stride, m/s².
     pub(crate) fn acceleration(&self, frame: usize) -> DVec2 {
         let reach = (self.half / 2).max(1);
-        let change = on_plan(self.centers[frame + reach] - 2.0 * self.centers[frame] + self.centers[frame - reach]);
+        let change =
+            on_plan(self.centers[frame + reach] - 2.0 * self.centers[frame] + self.centers[frame - reach]);
         change * (self.fps / reach as f64).powi(2)
     }
 

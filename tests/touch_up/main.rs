@@ -51,7 +51,8 @@ fn main() {
         ("untouched turns and runs change little in one round", untouched::change_little),
         ("without the guard a jog and a turn would be worse by the judge", guard::is_needed),
     ];
-    let mut trials: Vec<Trial> = named.into_iter().map(|(name, run)| trial(name.to_owned(), run, "")).collect();
+    let mut trials: Vec<Trial> =
+        named.into_iter().map(|(name, run)| trial(name.to_owned(), run, "")).collect();
     for file in guard::WALKED_OR_RUN {
         trials.push(trial(format!("{file} never ends worse by the judge"), guard::never_worse, file));
     }

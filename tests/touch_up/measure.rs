@@ -24,7 +24,10 @@ pub(crate) struct Done {
 
 /// Mean distances before and after each step, millimetres, by the filter that is optimised.
 pub(crate) fn curve(report: &GroundReport) -> Vec<f64> {
-    std::iter::once(&report.before).chain(report.steps.iter().map(|step| &step.judged)).map(|judged| mean(judged, 0)).collect()
+    std::iter::once(&report.before)
+        .chain(report.steps.iter().map(|step| &step.judged))
+        .map(|judged| mean(judged, 0))
+        .collect()
 }
 
 /// Millimetres.
@@ -45,7 +48,8 @@ impl Edited {
     /// Touches up, and checks what must hold of every touch-up: planted points stay, the judge sees nothing become worse, and the
     /// report says what another route finds.
     pub(crate) fn touched_up(&self, name: &str, settings: &GroundSettings) -> Result<Done, Failed> {
-        let (clip, report) = ground_pass(&self.clip, &self.body, &self.stages, self.source.as_ref(), settings)?;
+        let (clip, report) =
+            ground_pass(&self.clip, &self.body, &self.stages, self.source.as_ref(), settings)?;
         let [before, after] = [&self.clip, &clip].map(|clip| self.distances(clip));
         tell(&format!(
             "{name}: d {:.1} -> {:.1} mm, judge {:.1} -> {:.1}; kept {} of {}; joints {:.1} deg, root {:.0} mm, plants {:.5} mm, source {:.1?}",
@@ -58,7 +62,9 @@ impl Edited {
             report.largest_change.map_or(0.0, |change| change.angle.to_degrees()),
             report.root_shift * 1e3,
             self.farthest_plant(&clip) * 1e3,
-            report.source.map(|source| source.map(|distance| distance.map_or(0.0, |distance| distance.mean * 1e3))),
+            report
+                .source
+                .map(|source| source.map(|distance| distance.map_or(0.0, |distance| distance.mean * 1e3))),
         ));
         tell(&format!("    {:.1?}", curve(&report)));
         if self.farthest_plant(&clip) > PLANTED || report.plant_error > PLANTED {
@@ -70,7 +76,9 @@ impl Edited {
         for filter in [0, 1] {
             let differs = |found: f64, told: &Judged| (found - mean(told, filter)).abs() > ROUNDING * 1e3;
             if differs(before[filter], &report.before) || differs(after[filter], &report.after) {
-                return Err(format!("{name}: found {before:?} -> {after:?} mm, told {:?}", report.after).into());
+                return Err(
+                    format!("{name}: found {before:?} -> {after:?} mm, told {:?}", report.after).into()
+                );
             }
         }
         Ok(Done { clip, report })
@@ -80,7 +88,8 @@ impl Edited {
     fn distances(&self, clip: &Clip) -> [f64; 2] {
         let posed = PosedClip::of(clip);
         [Filter::Gaussian, Filter::Butterworth].map(|filter| {
-            let forces = link_forces(&self.body, &posed, &ForceSettings { filter, ..ForceSettings::default() });
+            let forces =
+                link_forces(&self.body, &posed, &ForceSettings { filter, ..ForceSettings::default() });
             let summary = distance_summary(&balances(&self.body, &posed, &self.stages, &forces));
             summary.map_or(0.0, |summary| summary.mean * 1e3)
         })

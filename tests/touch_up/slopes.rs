@@ -31,8 +31,10 @@ pub(crate) fn nine_steps(folder: &Path, _: &str) -> Result<(), Failed> {
 
 /// Added lean ahead over the slope.
 fn share_of_lean(slope: &Edited, done: &Done) -> f64 {
-    let [before, after] = [&slope.clip, &done.clip].map(|clip| Strides::of(clip, &slope.body, slope.stride()));
-    let added = |frame: usize| after.lean(frame, before.ahead(frame)) - before.lean(frame, before.ahead(frame));
+    let [before, after] =
+        [&slope.clip, &done.clip].map(|clip| Strides::of(clip, &slope.body, slope.stride()));
+    let added =
+        |frame: usize| after.lean(frame, before.ahead(frame)) - before.lean(frame, before.ahead(frame));
     let share = mean(before.frames(slope.edge()).map(added)) / SLOPE.to_radians();
     tell(&format!("    lean {share:.3} of the slope"));
     share

@@ -34,7 +34,9 @@ pub(crate) fn leans(folder: &Path, _: &str) -> Result<(), Failed> {
             if direction == Direction::Ahead { ahead } else { aside }
         };
         let lean = mean(frames.clone().map(|frame| strides.lean(frame, towards(frame)))).to_degrees();
-        let asked = mean(frames.clone().map(|frame| balancing(strides.acceleration(frame).dot(towards(frame))))).to_degrees();
+        let asked =
+            mean(frames.clone().map(|frame| balancing(strides.acceleration(frame).dot(towards(frame)))))
+                .to_degrees();
         tell(&format!("{file}: leans {lean:.1} degrees, balanced at {asked:.1} ({frames:?}, {direction:?})"));
         if !(lean.is_finite() && asked.is_finite()) {
             return Err(format!("{file}: {lean}, {asked}").into());

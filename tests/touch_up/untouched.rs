@@ -32,8 +32,12 @@ pub(crate) fn same_bytes(folder: &Path, _: &str) -> Result<(), Failed> {
         let capture = Edited::untouched(&load(folder, file)?);
         let settings = GroundSettings { target: Target::Carried, ..GroundSettings::default() };
         let done = capture.touched_up(&format!("{file}, carried"), &settings)?;
-        let bits = |places: &[glam::DVec3]| places.iter().flat_map(|place| place.to_array()).map(f64::to_bits).collect::<Vec<_>>();
-        let turns = |turns: &[glam::DQuat]| turns.iter().flat_map(|turn| turn.to_array()).map(f64::to_bits).collect::<Vec<_>>();
+        let bits = |places: &[glam::DVec3]| {
+            places.iter().flat_map(|place| place.to_array()).map(f64::to_bits).collect::<Vec<_>>()
+        };
+        let turns = |turns: &[glam::DQuat]| {
+            turns.iter().flat_map(|turn| turn.to_array()).map(f64::to_bits).collect::<Vec<_>>()
+        };
         let is_same = bits(&done.clip.root_positions) == bits(&capture.clip.root_positions)
             && turns(&done.clip.rotations) == turns(&capture.clip.rotations);
         if !is_same || done.clip != capture.clip {
@@ -59,7 +63,9 @@ fn changes(file: &str, folder: &Path) -> Result<Vec<f64>, Failed> {
         "    95 % below {:.2}, largest {:.2} degrees ({:?})",
         most(&moved),
         moved.last().copied().unwrap_or(0.0),
-        report.largest_change.map(|change| capture.clip.skeleton.joints[change.joint.as_usize()].name.clone())
+        report
+            .largest_change
+            .map(|change| capture.clip.skeleton.joints[change.joint.as_usize()].name.clone())
     ));
     Ok(moved)
 }

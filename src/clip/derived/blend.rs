@@ -139,6 +139,9 @@ impl Cycles {
             if let Some(before) = frame.checked_sub(1).map(|before| shares[before]) {
                 place += step(from, to, turn, &before.half_way(share));
             }
+            if share.weight <= 0.0 {
+                place = plan_of(from.root_at(share.from));
+            }
             let mut pose = mixed(from, to, turn, share);
             pose.root = world_of(place, pose.root.y);
             if share.weight >= 1.0 {
@@ -147,7 +150,11 @@ impl Cycles {
             poses.push(pose);
         }
         let name = format!("{} to {}", from.name, to.name);
-        Blended { clip: Clip::from_poses(&name, Arc::clone(&from.skeleton), from.fps, &poses), shares, motion }
+        Blended {
+            clip: Clip::from_poses(&name, Arc::clone(&from.skeleton), from.fps, &poses),
+            shares,
+            motion,
+        }
     }
 
     fn travel(&self, clip: &Clip, (first, last): (usize, usize)) -> c64 {
@@ -198,13 +205,18 @@ fn passed_at(time: f64, mine: f64, theirs: f64) -> f64 {
 impl Share {
     fn half_way(&self, other: &Self) -> Self {
         let mid = |a: f64, b: f64| 0.5 * (a + b);
-        Self { from: mid(self.from, other.from), to: mid(self.to, other.to), weight: mid(self.weight, other.weight) }
+        Self {
+            from: mid(self.from, other.from),
+            to: mid(self.to, other.to),
+            weight: mid(self.weight, other.weight),
+        }
     }
 }
 
 /// Way of the root in one frame at a share.
 fn step(from: &Clip, to: &Clip, turn: c64, share: &Share) -> c64 {
-    let way = |clip: &Clip, frame: f64| plan_of(clip.root_at(frame + 0.5)) - plan_of(clip.root_at(frame - 0.5));
+    let way =
+        |clip: &Clip, frame: f64| plan_of(clip.root_at(frame + 0.5)) - plan_of(clip.root_at(frame - 0.5));
     let mut step = c64::new(0.0, 0.0);
     if share.weight < 1.0 {
         step += (1.0 - share.weight) * way(from, share.from);

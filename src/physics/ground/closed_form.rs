@@ -107,7 +107,9 @@ impl Loads {
             if off.length() < NEWTON_TOLERANCE {
                 return Some(DVec3::new(w.x, 0.0, w.y));
             }
-            let slope = |axis: DVec2| (missing(w + DIFFERENCE * axis) - missing(w - DIFFERENCE * axis)) / (2.0 * DIFFERENCE);
+            let slope = |axis: DVec2| {
+                (missing(w + DIFFERENCE * axis) - missing(w - DIFFERENCE * axis)) / (2.0 * DIFFERENCE)
+            };
             let (by_x, by_z) = (slope(DVec2::X), slope(DVec2::Y));
             let determinant = by_x.perp_dot(by_z);
             if determinant.abs() < NO_LEVER {

@@ -64,12 +64,14 @@ pub fn apply(displacements: &Lanes, sets: &LinkSets, posed: &PosedClip, clip: &m
         let (turn, world) = (exp(turn), posed.frame(frame));
         for component in &sets.components {
             let own = component.top.as_usize();
-            let above = joints[own].parent.map_or(DQuat::IDENTITY, |parent| world[parent.as_usize()].rotation);
+            let above =
+                joints[own].parent.map_or(DQuat::IDENTITY, |parent| world[parent.as_usize()].rotation);
             replace(&mut locals[own], above.inverse() * (turn * world[own].rotation));
         }
         for border in &sets.borders {
             let own = border.joint.as_usize();
-            let above = joints[own].parent.map_or(DQuat::IDENTITY, |parent| turn * world[parent.as_usize()].rotation);
+            let above =
+                joints[own].parent.map_or(DQuat::IDENTITY, |parent| turn * world[parent.as_usize()].rotation);
             replace(&mut locals[own], above.inverse() * world[own].rotation);
         }
         clip.root_positions[frame] += shift;

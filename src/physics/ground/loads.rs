@@ -10,18 +10,26 @@ use crate::physics::zmp::LinkForces;
 /// `Σ arm ⊗ F` of each frame for [`crate::physics::ground::closed_form::Loads::arms`], N m. Cost: linear in frames times links.
 ///
 /// Where the root turns, arms are from the origin: the pivot is known only with the point's target, and [`about`] takes it off.
-pub(super) fn arm_sums(sets: &LinkSets, body: &BodyModel, posed: &PosedClip, forces: &LinkForces) -> Vec<DMat3> {
+pub(super) fn arm_sums(
+    sets: &LinkSets,
+    body: &BodyModel,
+    posed: &PosedClip,
+    forces: &LinkForces,
+) -> Vec<DMat3> {
     let mut sums = vec![DMat3::ZERO; posed.frame_count()];
     for (index, link) in body.links.iter().enumerate() {
         let (border, component) = match sets.motions[link.joint.as_usize()] {
             JointMotion::Stays => continue,
             JointMotion::Turns(component) => (None, component),
-            JointMotion::Carried(border) => (Some(sets.borders[border].joint), sets.borders[border].component),
+            JointMotion::Carried(border) => {
+                (Some(sets.borders[border].joint), sets.borders[border].component)
+            }
         };
         let top = sets.components[component].top;
         let pivot = (top.as_usize() > 0).then_some(top);
         for (frame, sum) in sums.iter_mut().enumerate() {
-            let end = border.map_or_else(|| forces.places.vector(index, frame), |joint| posed.at(frame, joint).position);
+            let end = border
+                .map_or_else(|| forces.places.vector(index, frame), |joint| posed.at(frame, joint).position);
             let start = pivot.map_or(DVec3::ZERO, |joint| posed.at(frame, joint).position);
             *sum += outer(end - start, forces.forces.vector(index, frame));
         }

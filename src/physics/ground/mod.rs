@@ -178,14 +178,23 @@ impl Best {
     }
 }
 
-fn prepare(clip: &Clip, body: &BodyModel, settings: &GroundSettings) -> Result<Vec<PreparedStep>, GroundError> {
+fn prepare(
+    clip: &Clip,
+    body: &BodyModel,
+    settings: &GroundSettings,
+) -> Result<Vec<PreparedStep>, GroundError> {
     let prepared = settings.schedule.iter().enumerate().map(|(index, step)| {
         PreparedStep::of(step, clip, body).map_err(|cause| GroundError::Step { step: index + 1, cause })
     });
     prepared.collect()
 }
 
-fn check(clip: &Clip, stages: &Stages, source: Option<&Source>, settings: &GroundSettings) -> Result<(), GroundError> {
+fn check(
+    clip: &Clip,
+    stages: &Stages,
+    source: Option<&Source>,
+    settings: &GroundSettings,
+) -> Result<(), GroundError> {
     let frames = clip.frame_count();
     if stages.phases.len() != frames {
         return Err(GroundError::OtherStages { stages: stages.phases.len(), frames });
@@ -197,7 +206,9 @@ fn check(clip: &Clip, stages: &Stages, source: Option<&Source>, settings: &Groun
         }
         _ => (),
     }
-    let is_finite = |step: &Step| [step.width, step.share, step.largest_turn].iter().all(|value| value.is_finite() && *value >= 0.0);
+    let is_finite = |step: &Step| {
+        [step.width, step.share, step.largest_turn].iter().all(|value| value.is_finite() && *value >= 0.0)
+    };
     let target_is_finite = match settings.target {
         Target::Hull { margin } => margin.is_finite(),
         Target::Carried => true,

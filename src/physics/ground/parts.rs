@@ -87,7 +87,12 @@ pub enum PartsError {
 /// # Errors
 /// [`PartsError`] for parts that overlap or would be torn apart: what turns hangs on what turns or stays, what is carried on what turns or
 /// is carried, what stays on what stays.
-pub fn link_sets(skeleton: &Skeleton, body: &BodyModel, turned: &[Part], carried: &[Part]) -> Result<LinkSets, PartsError> {
+pub fn link_sets(
+    skeleton: &Skeleton,
+    body: &BodyModel,
+    turned: &[Part],
+    carried: &[Part],
+) -> Result<LinkSets, PartsError> {
     let [turns, is_carried] = [turned, carried].map(|parts| members(skeleton, body, parts));
     let mut sets = LinkSets { motions: Vec::new(), components: Vec::new(), borders: Vec::new() };
     for (index, joint) in skeleton.joints.iter().enumerate() {

@@ -50,8 +50,9 @@ pub struct Plants {
     needed: Vec<usize>,
 }
 
-/// Legs are not stretched farther than this share of their length, unless the input does.
-const REACH: f64 = 0.9995;
+/// Legs are not stretched farther than this share of their length, unless the input does: 7° at the knee. Nearer to straight, where
+/// the paper's legs grow longer instead, a millimetre at the hip throws the knee about, and the zero moment point with it.
+const REACH: f64 = 0.998;
 /// Width of the kernel that smooths steps of the root, frames at 30 fps.
 const ROOT_WIDTH: f64 = 9.0;
 /// Smoothed steps of the root at most, …
@@ -69,7 +70,12 @@ impl Plants {
     pub fn of(clip: &Clip, body: &BodyModel, stages: &Stages, posed: &PosedClip) -> Self {
         let limbs: Vec<PlantedLimb> = [Side::Left, Side::Right]
             .into_iter()
-            .flat_map(|side| [leg(clip, body, side), arm(clip, side)].into_iter().zip([false, true]).map(move |(joints, is_arm)| (side, joints, is_arm)))
+            .flat_map(|side| {
+                [leg(clip, body, side), arm(clip, side)]
+                    .into_iter()
+                    .zip([false, true])
+                    .map(move |(joints, is_arm)| (side, joints, is_arm))
+            })
             .filter_map(|(side, joints, is_arm)| {
                 let bears = |bearer: &Bearer| match bearer {
                     Bearer::Sole(own, _) => !is_arm && *own == side,
@@ -224,13 +230,22 @@ fn planted(stages: &Stages, frame_count: usize, bears: impl Fn(&Bearer) -> bool)
 impl PlantedLimb {
     fn of([upper, middle, lower]: [JointId; 3], is_planted: Vec<bool>, posed: &PosedClip) -> Self {
         let spans = runs(&is_planted).into_iter().map(|(first, last)| Span { first, last }).collect();
-        let mut limb =
-            Self { upper, middle, lower, is_planted, spans, ends: Vec::new(), reaches: Vec::new(), hinge: DVec3::ZERO };
+        let mut limb = Self {
+            upper,
+            middle,
+            lower,
+            is_planted,
+            spans,
+            ends: Vec::new(),
+            reaches: Vec::new(),
+            hinge: DVec3::ZERO,
+        };
         for frame in 0..posed.frame_count() {
             let place = limb.place(posed, frame);
             let [above, below] = [place.middle - place.upper, place.lower - place.middle];
             limb.ends.push(*posed.at(frame, lower));
-            limb.reaches.push((REACH * (above.length() + below.length())).max(place.upper.distance(place.lower)));
+            limb.reaches
+                .push((REACH * (above.length() + below.length())).max(place.upper.distance(place.lower)));
             limb.hinge += posed.at(frame, middle).rotation.inverse() * above.cross(below);
         }
         limb.hinge = limb.hinge.normalize_or(DVec3::X);
@@ -261,7 +276,11 @@ impl PlantedLimb {
         moves.resize(times.len(), [DVec3::ZERO; 2]);
         for (frame, end) in self.ends.iter().enumerate().filter(|(frame, _)| self.is_planted[*frame]) {
             let now = posed.at(frame, self.lower);
-            let turn = if now.rotation == end.rotation { DVec3::ZERO } else { log(end.rotation * now.rotation.inverse()) };
+            let turn = if now.rotation == end.rotation {
+                DVec3::ZERO
+            } else {
+                log(end.rotation * now.rotation.inverse())
+            };
             moves[frame] = [end.position - (now.position + shifts.vector(0, frame)), turn];
         }
         fill(times, &self.spans, (FADE, Slopes::Level), moves);
@@ -288,17 +307,25 @@ impl PlantedLimb {
                 let parent = clip.skeleton.joints[joint.as_usize()].parent;
                 parent.map_or(DQuat::IDENTITY, |parent| posed.at(frame, parent).rotation)
             };
-            let reach = carried.reach(target, self.pole(&carried, target, posed.at(frame, self.middle).rotation));
+            let reach =
+                carried.reach(target, self.pole(&carried, target, posed.at(frame, self.middle).rotation));
             let upper_turn = minimal_rotation(carried.middle - carried.upper, reach.middle - carried.upper);
             let lower_turn =
-                minimal_rotation(upper_turn * (carried.lower - carried.middle), reach.lower - reach.middle) * upper_turn;
+                minimal_rotation(upper_turn * (carried.lower - carried.middle), reach.lower - reach.middle)
+                    * upper_turn;
             let at = |joint: JointId| posed.at(frame, joint).rotation;
-            replace(&mut locals[self.upper.as_usize()], above(self.upper).inverse() * (upper_turn * at(self.upper)));
+            replace(
+                &mut locals[self.upper.as_usize()],
+                above(self.upper).inverse() * (upper_turn * at(self.upper)),
+            );
             replace(
                 &mut locals[self.middle.as_usize()],
                 (upper_turn * above(self.middle)).inverse() * (lower_turn * at(self.middle)),
             );
-            replace(&mut locals[self.lower.as_usize()], (lower_turn * above(self.lower)).inverse() * rotation);
+            replace(
+                &mut locals[self.lower.as_usize()],
+                (lower_turn * above(self.lower)).inverse() * rotation,
+            );
         }
     }
 

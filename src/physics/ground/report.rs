@@ -20,7 +20,8 @@ pub struct Judged {
 
 impl Judged {
     pub(super) fn of(sights: &[Vec<Option<Sight>>; 2], is_carried: bool) -> Self {
-        let mean = |measured: &Vec<Option<Sight>>| summary(measured, Sight::miss).map_or(0.0, |miss| miss.mean);
+        let mean =
+            |measured: &Vec<Option<Sight>>| summary(measured, Sight::miss).map_or(0.0, |miss| miss.mean);
         Self {
             distance: [0, 1].map(|filter| summary(&sights[filter], |sight| sight.distance)),
             miss: is_carried.then(|| [mean(&sights[0]), mean(&sights[1])]),
@@ -108,7 +109,13 @@ impl GroundReport {
         }
     }
 
-    pub(super) fn finish(&mut self, input: &Clip, result: &Clip, (judged, kept): (&Judged, usize), state: &State<'_>) {
+    pub(super) fn finish(
+        &mut self,
+        input: &Clip,
+        result: &Clip,
+        (judged, kept): (&Judged, usize),
+        state: &State<'_>,
+    ) {
         (self.after, self.kept) = (*judged, kept);
         if kept > 0 {
             (self.plant_error, self.plant_turn) = state.plants.errors(&PosedClip::of(result));
@@ -121,7 +128,9 @@ impl GroundReport {
 
 /// Turns of all joints from one clip to another of the same skeleton and length, radians: all of frame 0, then of frame 1 …
 pub fn joint_changes(from: &Clip, to: &Clip) -> Vec<f64> {
-    let change = |(from, to): (&glam::DQuat, &glam::DQuat)| if from == to { 0.0 } else { log(*to * from.inverse()).length() };
+    let change = |(from, to): (&glam::DQuat, &glam::DQuat)| {
+        if from == to { 0.0 } else { log(*to * from.inverse()).length() }
+    };
     from.rotations.iter().zip(&to.rotations).map(change).collect()
 }
 

@@ -36,7 +36,13 @@ impl Step {
 
     /// All above the pelvis turns.
     pub fn upper() -> Self {
-        Self { turned: vec![Part::Upper], carried: Vec::new(), width: 20.0, share: 0.3, largest_turn: LARGEST_TURN }
+        Self {
+            turned: vec![Part::Upper],
+            carried: Vec::new(),
+            width: 20.0,
+            share: 0.3,
+            largest_turn: LARGEST_TURN,
+        }
     }
 
     /// Arms turn about the shoulders.

@@ -96,5 +96,9 @@ impl<'a> State<'a> {
 }
 
 fn forces(body: &BodyModel, posed: &PosedClip, settings: &GroundSettings, filter: Filter) -> LinkForces {
-    link_forces(body, posed, &ForceSettings { filter, inertia: settings.inertia, external: &settings.external })
+    link_forces(
+        body,
+        posed,
+        &ForceSettings { filter, inertia: settings.inertia, external: &settings.external },
+    )
 }

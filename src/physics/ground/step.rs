@@ -65,7 +65,14 @@ impl PreparedStep {
         Displacement { turn, shift }
     }
 
-    fn turn(&self, loads: &Loads, sight: &Sight, shift: DVec2, two_axis: bool, faults: &mut TurnFaults) -> DVec3 {
+    fn turn(
+        &self,
+        loads: &Loads,
+        sight: &Sight,
+        shift: DVec2,
+        two_axis: bool,
+        faults: &mut TurnFaults,
+    ) -> DVec3 {
         let Some(turn) = loads.turn_for(sight.height, shift) else {
             faults.without_lever += 1;
             return DVec3::ZERO;

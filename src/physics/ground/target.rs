@@ -12,7 +12,9 @@ use crate::physics::on_plan;
 use crate::physics::posed::PosedClip;
 use crate::physics::stages::{Phase, Polygon, Stages};
 use crate::physics::support::{nearest, shrunk};
-use crate::physics::zmp::{CLIP_END, DistanceSummary, ForceSettings, Reaction, confidence_of, link_forces, reactions};
+use crate::physics::zmp::{
+    CLIP_END, DistanceSummary, ForceSettings, Reaction, confidence_of, link_forces, reactions,
+};
 
 /// What bears a body in each frame, where its feet are held.
 #[derive(Clone, Debug, PartialEq)]
@@ -146,7 +148,12 @@ pub enum Goal {
 
 impl Goal {
     /// Of both filters. `source`: of the frames of `posed`.
-    pub fn of(target: Target, stature: f64, (standing, posed): (&Standing, &PosedClip), source: Option<&Source>) -> [Self; 2] {
+    pub fn of(
+        target: Target,
+        stature: f64,
+        (standing, posed): (&Standing, &PosedClip),
+        source: Option<&Source>,
+    ) -> [Self; 2] {
         match (target, source) {
             (Target::Carried, Some(source)) => {
                 let turns = source.turns(posed);
