@@ -58,7 +58,16 @@ pub struct LinkForces {
 
 /// Forces on the links of `body` in all frames of `posed`. Cost: linear in frames times links.
 pub fn link_forces(body: &BodyModel, posed: &PosedClip, settings: &ForceSettings<'_>) -> LinkForces {
-    let places = link_places(body, posed);
+    link_forces_at(link_places(body, posed), body, posed, settings)
+}
+
+/// [`link_forces`] of links whose `places`, of [`link_places`], are known.
+pub fn link_forces_at(
+    places: Lanes,
+    body: &BodyModel,
+    posed: &PosedClip,
+    settings: &ForceSettings<'_>,
+) -> LinkForces {
     let mut forces = settings.filter.accelerations(&places, posed.fps);
     for (index, link) in body.links.iter().enumerate() {
         let [x, y, z] = forces.vector_mut(index);

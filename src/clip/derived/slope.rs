@@ -31,7 +31,7 @@ const SHORTEST_CHORD: f64 = 0.1;
 /// # Errors
 /// [`SlopeError`] without chord, or for a wall.
 pub fn tilted(clip: &Clip, angle: f64) -> Result<Clip, SlopeError> {
-    if !(angle.abs() < std::f64::consts::FRAC_PI_2) {
+    if !angle.is_finite() || angle.abs() >= std::f64::consts::FRAC_PI_2 {
         return Err(SlopeError::NoAngle { degrees: angle.to_degrees() });
     }
     let [first, last] =

@@ -1,8 +1,9 @@
 //! The motion as it stands between two steps, with what physics says of it.
 
 use crate::clip::Clip;
+use crate::index::JointId;
 use crate::physics::body_model::BodyModel;
-use crate::physics::derivatives::Filter;
+use crate::physics::derivatives::Lanes;
 use crate::physics::ground::GroundSettings;
 use crate::physics::ground::displacement::{Displacement, apply, smoothed};
 use crate::physics::ground::loads::arm_sums;
@@ -11,9 +12,9 @@ use crate::physics::ground::plants::Plants;
 use crate::physics::ground::report::{Judged, StepReport};
 use crate::physics::ground::step::{PreparedStep, TurnFaults};
 use crate::physics::ground::target::{FILTERS, Goal, Sight, Source, Standing, Target};
-use crate::physics::posed::PosedClip;
+use crate::physics::posed::{PosedClip, link_places};
 use crate::physics::stages::Stages;
-use crate::physics::zmp::{ForceSettings, LinkForces, Reaction, link_forces, reactions};
+use crate::physics::zmp::{ForceSettings, LinkForces, Reaction, link_forces_at, reactions};
 
 pub(super) struct State<'a> {
     pub(super) clip: Clip,
@@ -39,7 +40,8 @@ impl<'a> State<'a> {
         let standing = Standing::of(body, &posed, stages);
         let goals = Goal::of(settings.target, body.stature, (&standing, &posed), source);
         let plants = Plants::of(clip, body, stages, &posed);
-        let forces = forces(body, &posed, settings, FILTERS[0]);
+        let none = Lanes::zeros(0, 0);
+        let forces = LinkForces { places: none.clone(), forces: none, free_moments: Vec::new() };
         let mut state = Self {
             clip: clip.clone(),
             posed,
@@ -58,11 +60,17 @@ impl<'a> State<'a> {
 
     /// Finds the zero moment points of the motion as it stands.
     fn look(&mut self) {
-        self.forces = forces(self.body, &self.posed, self.settings, FILTERS[0]);
+        let places = link_places(self.body, &self.posed);
+        let forces = |filter, places| {
+            let GroundSettings { inertia, external, .. } = self.settings;
+            let settings = ForceSettings { filter, inertia: *inertia, external };
+            link_forces_at(places, self.body, &self.posed, &settings)
+        };
+        let judge = reactions(&forces(FILTERS[1], places.clone()));
+        self.forces = forces(FILTERS[0], places);
         self.reactions = reactions(&self.forces);
         self.sights[0] = Sight::all(&self.standing, &self.reactions, &self.goals[0]);
-        let judge = forces(self.body, &self.posed, self.settings, FILTERS[1]);
-        self.sights[1] = Sight::all(&self.standing, &reactions(&judge), &self.goals[1]);
+        self.sights[1] = Sight::all(&self.standing, &judge, &self.goals[1]);
     }
 
     pub(super) fn judged(&self) -> Judged {
@@ -85,7 +93,7 @@ impl<'a> State<'a> {
             })
             .collect();
         apply(&smoothed(&known, &step.kernel), &step.sets, &self.posed, &mut self.clip);
-        let moves = |joint: crate::index::JointId| step.sets.motions[joint.as_usize()] != JointMotion::Stays;
+        let moves = |joint: JointId| step.sets.motions[joint.as_usize()] != JointMotion::Stays;
         if self.plants.are_moved(moves) {
             self.plants.replant(&mut self.clip, &mut self.posed);
         }
@@ -93,12 +101,4 @@ impl<'a> State<'a> {
         self.look();
         StepReport { faults, judged: self.judged() }
     }
-}
-
-fn forces(body: &BodyModel, posed: &PosedClip, settings: &GroundSettings, filter: Filter) -> LinkForces {
-    link_forces(
-        body,
-        posed,
-        &ForceSettings { filter, inertia: settings.inertia, external: &settings.external },
-    )
 }
