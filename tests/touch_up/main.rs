@@ -66,9 +66,10 @@ fn mocap_folder() -> Option<PathBuf> {
 }
 
 /// Prints a measure where all are asked for.
+#[expect(clippy::print_stderr, reason = "the table is asked for")]
 fn tell(text: &str) {
     if std::env::var_os("COTILLION_TABLE").is_some() {
-        println!("{text}");
+        eprintln!("{text}");
     }
 }
 
