@@ -23,7 +23,8 @@ use performer::{Performance, load, load_as, motions};
 /// Mean distances of zero moment points from polygons as captured, millimetres: by the Gaussian and by the judge, as a prototype of these
 /// modules measured them, and by how much of them these may differ.
 ///
-/// Its masses and filters are these, its feet as large as those of somebody of 1.75 m, where ours go by the length of the legs.
+/// Its filters are these. Its feet were those of somebody of 1.75 m, where ours go by the length of the legs, and how it shared the mass
+/// of the trunk among three joints is not known.
 const DISTANCES: [(&str, f64, Option<f64>); 8] = [
     ("amc/cmu_16_15_walk_straight.amc", 3.0, Some(5.7)),
     ("amc/cmu_16_11_walk_veer_left.amc", 4.8, Some(7.6)),
