@@ -34,6 +34,7 @@ fn small() -> Relay {
         phase: 0.3,
         disturbances: Disturbance::ALL.to_vec(),
         discrete: false,
+        drag: None,
         seed: 4,
         along: Along::Spiral,
     }
@@ -201,7 +202,7 @@ proptest! {
         (seed, curve) in (any::<u64>(), 0_usize..5),
         how in prop::sample::subsequence(Disturbance::ALL.to_vec(), 0..=3),
         corners in prop::collection::vec((-30.0..30.0_f64, -30.0..30.0_f64), 0..5),
-        discrete in any::<bool>(),
+        (discrete, drag) in (any::<bool>(), prop::option::of(-1.0..20.0_f64)),
     ) {
         let points = corners.into_iter().map(|(x, y)| cotillion::geometry::c64::new(x, y)).collect();
         let along = match curve {
@@ -212,7 +213,8 @@ proptest! {
             _ => Along::Drawing(points),
         };
         let asked = Relay {
-            characters, disturbers, boxes, spacing, heights: (short, tall), phase, disturbances: how, discrete, seed, along,
+            characters, disturbers, boxes, spacing, heights: (short, tall), phase, disturbances: how, discrete, drag,
+            seed, along,
         };
         match relay::relay(&asked, "a test") {
             Ok(scene) => {

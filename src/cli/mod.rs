@@ -83,6 +83,9 @@ struct RunArgs {
     /// Also write the picture as PNG.
     #[arg(long)]
     png: bool,
+    /// Also draw the scene from above in motion (scene_animated.svg).
+    #[arg(long)]
+    animate: bool,
     /// Also draw poses of every character side by side, from the side and from above.
     #[arg(long)]
     strip: bool,

@@ -64,6 +64,7 @@ fn picture<'a>(motions: &'a [Motion], names: &'a [String]) -> Picture<'a> {
         objects: vec![object],
         handles: vec![handle(0, 3.5, None), handle(1, 1e9, None), handle(0, 40.0, Some((1, 30.25)))],
         ties: vec![tie(false), tie(true)],
+        clock: (0.0, 4.0),
     }
 }
 
@@ -84,6 +85,7 @@ fn every_name_is_there_and_escaped() {
         let (motions, names) = (motions(count, 120), names(count));
         let svg = to_svg(&picture(&motions, &names));
         check(&svg).expect("a picture");
+        check(&animated_svg(&picture(&motions, &names))).expect("a picture in motion");
         for name in names.iter().map(String::as_str).chain([
             "Tea & <cake>",
             "tea < table",
@@ -134,6 +136,7 @@ proptest! {
             motion.headings.iter_mut().for_each(|heading| *heading *= scale);
         }
         check(&to_svg(&picture(&motions, &names)))?;
+        check(&animated_svg(&picture(&motions, &names)))?;
     }
 }
 

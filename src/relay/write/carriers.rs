@@ -216,3 +216,16 @@ pub(super) fn end(layout: &Layout) -> String {
         point(carrier.give.position)
     )
 }
+
+/// Drags the end on, straight ahead, half a metre at a time.
+pub(super) fn drag(layout: &Layout, metres: f64) -> String {
+    let last = layout.carriers[layout.carriers.len() - 1].give;
+    let to = point(last.position + cis(last.facing) * metres);
+    let steps = format!("{:.0}", (metres / DRAG_STEP).ceil());
+    format!(
+        "\n# The end is dragged on by {metres} m.\n\n[[drag]]\nhandle = \"the end\"\nto = {to}\nsteps = {steps}\n"
+    )
+}
+
+/// Metres by which the end is dragged from one update to the next.
+const DRAG_STEP: f64 = 0.5;
