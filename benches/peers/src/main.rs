@@ -1,11 +1,11 @@
 //! Prints the comparison: see the README beside this.
 
+use cotillion_peers::measure::LIBRARIES;
 use cotillion_peers::measure::{Case, Statistic};
 use cotillion_peers::options::{HELP, Options, parse};
 use cotillion_peers::peer::versions;
-use cotillion_peers::measure::LIBRARIES;
-use cotillion_peers::relay::{self, relay_table};
 use cotillion_peers::race::{Effort, all_fields, race};
+use cotillion_peers::relay::{self, relay_table};
 use cotillion_peers::table::{Size, details, json, notes, table};
 use cotillion_solvers::workload::relay_chain;
 use std::env;

@@ -2,7 +2,7 @@
 
 use crate::configuration::Configuration;
 use crate::ours::{Route, cold};
-use crate::peer::{Failed, Library, Peer};
+use crate::peer::{Failed, Library, Peer, cpu_seconds};
 use crate::problem::{reference, shape_problem, split_targets};
 use crate::system::{
     FORMS, Form, Layout, Matrix, NUMBERS, Numbers, assemble, layout, points_of, right_hand_side,
@@ -10,7 +10,6 @@ use crate::system::{
 use cotillion_solvers::workload::Workload;
 use cotillion_solvers::{KktError, LeastSquares, c64};
 use std::hint::black_box;
-use std::time::Instant;
 
 /// Drag steps of a run.
 pub const DRAG_STEPS: usize = 5;
@@ -176,11 +175,11 @@ pub fn summary(runs: &[Run], statistic: Statistic) -> Run {
     }
 }
 
-/// Seconds that a step takes.
+/// Seconds that a step keeps a processor busy.
 pub fn timed<E>(step: impl FnOnce() -> Result<(), E>) -> Result<f64, E> {
-    let start = Instant::now();
+    let start = cpu_seconds();
     step()?;
-    Ok(start.elapsed().as_secs_f64())
+    Ok(cpu_seconds() - start)
 }
 
 /// Largest distance of two samples; infinite if one is not a number.

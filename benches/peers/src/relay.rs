@@ -1,9 +1,9 @@
 //! A whole drag update of the spiral relay, beside other libraries on the augmented system of its shape phase.
 
 use crate::configuration::Configuration;
-use crate::measure::{DRAG_STEPS, Posed, Run, median, run_peer, timed};
+use crate::measure::{DRAG_STEPS, Posed, Run, Statistic, median, run_peer, summary, timed};
 use crate::peer::Library;
-use crate::race::{all_fields, best_first, trials};
+use crate::race::{Field, all_fields, best_first, trials};
 use cotillion::constraint::{ConstraintKind, Target};
 use cotillion::discrete::editor::{DiscreteEditor, Occasion};
 use cotillion::discrete::settings::DiscreteSettings;
@@ -13,7 +13,7 @@ use cotillion::graph::scene::{graph_settings, scene_clips};
 use cotillion::index::ConstraintId;
 use cotillion::relay::{Along, Disturbance, Relay, RelayError, relay};
 use cotillion::scene::{ClipFolders, Scene, SceneFaults, load_text};
-use cotillion_solvers::{CsMat, LeastSquares, RowMatrix, c64};
+use cotillion_solvers::{CsMat, KktError, KktForm, LeastSquares, RowMatrix, analyse, c64};
 use std::path::Path;
 use std::sync::Arc;
 
@@ -32,8 +32,8 @@ pub enum Unmeasured {
     Scene(SceneFaults),
     /// It cannot be edited.
     Edit(EditError),
-    /// No configuration of a library solves its system.
-    Peer(Library),
+    /// Its system has no solution to compare with.
+    Reference(KktError),
 }
 
 impl std::fmt::Display for Unmeasured {
@@ -42,7 +42,7 @@ impl std::fmt::Display for Unmeasured {
             Self::Relay(error) => write!(f, "{error}"),
             Self::Scene(faults) => write!(f, "{faults}"),
             Self::Edit(error) => write!(f, "{error}"),
-            Self::Peer(library) => write!(f, "{} does not solve the system", library.name()),
+            Self::Reference(error) => write!(f, "{error}"),
         }
     }
 }
@@ -102,26 +102,23 @@ impl Dragged {
         Target::Position(self.from + (self.to - self.from) * (step as f64 / of as f64))
     }
 
-    /// The shape phase of everybody as one problem, with its targets at rest and in the steps of a drag, and our own
-    /// solutions by all frames as reference; and how many of its rows fix free motions.
+    /// The shape phase of everybody as one problem, with its targets at rest and in the steps of a drag.
     ///
     /// # Errors
-    /// [`Unmeasured::Edit`].
-    pub fn posed(&self) -> Result<(Posed, Size), Unmeasured> {
-        let mut editor = Editor::of(self.scene.clone(), Backend::Direct)?;
+    /// [`Unmeasured`].
+    pub fn posed(&self, system: FrameSystem) -> Result<(Posed, Size), Unmeasured> {
+        let mut editor = Editor::of(self.scene.clone(), system.backend())?;
         editor.solve()?;
-        let first = Joined::of(&editor);
-        let mut sides = vec![first.sides.clone()];
-        let mut last = first.solution.clone();
+        let Joined { problem, side, size } = Joined::of(&editor);
+        let mut sides = vec![side];
         for step in 1..=DRAG_STEPS {
             editor.move_target(self.end, self.target(step, DRAG_STEPS))?;
             editor.solve()?;
-            let dragged = Joined::of(&editor);
-            sides.push(dragged.sides);
-            last = dragged.solution;
+            sides.push(Joined::of(&editor).side);
         }
-        let posed = Posed::new(&first.problem, &sides, [first.solution, last]);
-        Ok((posed, first.size))
+        let compared = [sides[0].clone(), sides[DRAG_STEPS].clone()];
+        let [first, last] = refined(&problem, &compared).map_err(Unmeasured::Reference)?;
+        Ok((Posed::new(&problem, &sides, [first, last]), size))
     }
 
     /// Seconds of each update of a drag: everything that moves with the end, all three systems.
@@ -148,6 +145,41 @@ impl Dragged {
     }
 }
 
+/// Ways to write the shape phase down.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum FrameSystem {
+    /// As published: an unknown for every frame, rows that keep the shape of stationary stretches.
+    Published,
+    /// Two unknowns for each stationary stretch, one for a point that is repeated.
+    Condensed,
+}
+
+impl FrameSystem {
+    const fn backend(self) -> Backend {
+        match self {
+            Self::Published => Backend::Published,
+            Self::Condensed => Backend::Direct,
+        }
+    }
+
+    const fn name(self) -> &'static str {
+        match self {
+            Self::Published => "all frames",
+            Self::Condensed => "stands condensed",
+        }
+    }
+}
+
+/// Solutions that others are compared with: the Hachtel form, refined until corrections stop shrinking.
+fn refined(problem: &LeastSquares<c64>, sides: &[Side; 2]) -> Result<[Vec<c64>; 2], KktError> {
+    let factor = analyse(problem, KktForm::Hachtel)?.factor(problem)?;
+    let [first, last] = sides;
+    Ok([factor.solve(&first.0, &first.1)?.x, factor.solve(&last.0, &last.1)?.x])
+}
+
+/// m and h of a problem.
+type Side = (Vec<c64>, Vec<c64>);
+
 /// How large the problem is.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Size {
@@ -162,8 +194,7 @@ pub struct Size {
 /// The problems of all groups of characters as one.
 struct Joined {
     problem: LeastSquares<c64>,
-    sides: (Vec<c64>, Vec<c64>),
-    solution: Vec<c64>,
+    side: Side,
     size: Size,
 }
 
@@ -171,19 +202,18 @@ impl Joined {
     fn of(editor: &Editor) -> Self {
         let columns = editor.shape_problems().map(|own| own.problem.columns).sum();
         let (mut soft, mut hard) = (RowMatrix::new(columns), RowMatrix::new(columns));
-        let (mut sides, mut solution, mut gauges) = ((Vec::new(), Vec::new()), Vec::new(), 0);
+        let (mut side, mut shift, mut gauges) = ((Vec::new(), Vec::new()), 0, 0);
         for own in editor.shape_problems() {
-            let shift = solution.len();
             push_rows(&mut soft, &own.problem.soft, shift);
             push_rows(&mut hard, &own.problem.hard, shift);
-            sides.0.extend(own.soft_targets);
-            sides.1.extend(own.hard_targets);
-            solution.extend(own.solution);
+            side.0.extend(own.soft_targets);
+            side.1.extend(own.hard_targets);
+            shift += own.problem.columns;
             gauges += own.gauges;
         }
         let size = Size { unknowns: columns, hard: hard.rows(), gauges };
         let problem = LeastSquares { columns, soft: soft.to_csr(), hard: hard.to_csr() };
-        Self { problem, sides, solution, size }
+        Self { problem, side, size }
     }
 }
 
@@ -207,7 +237,9 @@ impl Plain<'_> {
     /// [`Unmeasured::Edit`].
     pub fn update(&mut self, step: usize) -> Result<f64, Unmeasured> {
         let target = self.dragged.target(step, UPDATES);
-        Ok(timed(|| self.editor.move_target(self.dragged.end, target).and_then(|()| self.editor.solve().map(|_| ())))?)
+        Ok(timed(|| {
+            self.editor.move_target(self.dragged.end, target).and_then(|()| self.editor.solve().map(|_| ()))
+        })?)
     }
 }
 
@@ -235,15 +267,26 @@ impl Discrete<'_> {
     }
 }
 
+/// What was measured of a library on a system.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Raced {
+    /// Which system.
+    pub system: FrameSystem,
+    /// Its size.
+    pub size: Size,
+    /// How the library was used.
+    pub configuration: Configuration,
+    /// Medians.
+    pub run: Run,
+}
+
 /// What was measured of one relay.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Measured {
     /// Everybody.
     pub characters: usize,
-    /// Of the problem that other libraries solve.
-    pub size: Size,
-    /// The best of each library, and medians of its runs.
-    pub peers: Vec<(Configuration, Run)>,
+    /// The best of each library on each system, and medians of its runs.
+    pub peers: Vec<Raced>,
     /// Seconds of each update without changes.
     pub plain: Vec<f64>,
     /// Seconds, candidates and whether one happened, of each update with changes.
@@ -256,71 +299,87 @@ pub struct Measured {
 /// [`Unmeasured`].
 pub fn measure(characters: usize, libraries: &[Library], budget: f64) -> Result<Measured, Unmeasured> {
     let dragged = Dragged::new(characters)?;
-    let (posed, size) = dragged.posed()?;
-    let best = libraries.iter().map(|library| best(&posed, *library, budget));
-    let best = best.collect::<Result<Vec<_>, _>>()?;
+    let (mut entrants, mut problems) = (Vec::new(), Vec::new());
+    for system in [FrameSystem::Published, FrameSystem::Condensed] {
+        let (posed, size) = dragged.posed(system)?;
+        for library in libraries {
+            let best = best(&posed, *library, budget).into_iter();
+            entrants.extend(
+                best.map(|configuration| (problems.len(), (system, size), configuration, Vec::new())),
+            );
+        }
+        problems.push(posed);
+    }
     let (mut plain, mut discrete) = (dragged.plain()?, dragged.discrete()?);
-    let mut runs: Vec<Vec<Run>> = vec![Vec::new(); best.len()];
     let mut updates = (Vec::new(), Vec::new());
     for step in 1..=UPDATES {
-        for (runs, configuration) in runs.iter_mut().zip(&best) {
-            runs.extend(run_peer(&posed, configuration));
+        for (problem, _, configuration, runs) in &mut entrants {
+            runs.extend(run_peer(&problems[*problem], configuration));
         }
         updates.0.push(plain.update(step)?);
         updates.1.push(discrete.update(step)?);
     }
-    let runs = runs.iter().map(|runs| crate::measure::summary(runs, crate::measure::Statistic::Median));
-    Ok(Measured { characters, size, peers: best.into_iter().zip(runs).collect(), plain: updates.0, discrete: updates.1 })
+    let raced = entrants.into_iter().map(|(_, (system, size), configuration, runs)| {
+        let run = summary(&runs, Statistic::Median);
+        Raced { system, size, configuration, run }
+    });
+    Ok(Measured { characters, peers: raced.collect(), plain: updates.0, discrete: updates.1 })
 }
 
-/// The quickest configuration of a library from nothing to a solution, among the accurate ones.
-fn best(posed: &Posed, library: Library, budget: f64) -> Result<Configuration, Unmeasured> {
+/// The quickest configuration of each field of a library from nothing to a solution, among the accurate ones.
+fn best(posed: &Posed, library: Library, budget: f64) -> Vec<Configuration> {
     let fields = all_fields().into_iter().filter(|field| field.library() == Some(library));
-    let tried: Vec<_> = fields.flat_map(|mut field| trials(posed, &mut field, budget)).collect();
-    // Only from nothing counts here.
-    let runs: Vec<_> = tried.iter().map(|(_, run)| run.map(|run| Run { drag: 1.0, ..run })).collect();
-    let first = best_first(&runs).first().copied().filter(|first| runs[*first].is_some());
-    first.map(|first| tried[first].0.clone()).ok_or(Unmeasured::Peer(library))
+    let quickest = |mut field: Field| {
+        let tried = trials(posed, &mut field, budget);
+        // Only from nothing counts here.
+        let runs: Vec<_> = tried.iter().map(|(_, run)| run.map(|run| Run { drag: 1.0, ..run })).collect();
+        let first = best_first(&runs).first().copied().filter(|first| runs[*first].is_some());
+        first.map(|first| tried[first].0.clone())
+    };
+    fields.filter_map(quickest).collect()
 }
 
-/// The table: what each takes, and as a share of the first library.
+/// The table: what each takes, and what an update of ours is of it.
 pub fn relay_table(measured: &Measured) -> String {
-    let Measured { characters, size, peers, plain, discrete } = measured;
-    let Size { unknowns, hard, gauges } = size;
-    let mut text = format!(
-        "relay of {characters}, its end dragged by {FAR} m in {UPDATES} updates; shape phase: {unknowns} unknowns, {hard} hard rows \
-         ({gauges} for free motions)\n{:58}{:>9}{:>10}{:>9}\n",
-        "", "ms", "of first", "error"
-    );
-    let whole = peers.first().map_or(f64::NAN, |(_, run)| run.cold);
-    let mut line = |name: String, seconds: f64, error: String| {
-        text += &format!("{name:58}{:>9.2}{:>10.3}{error:>9}\n", 1e3 * seconds, seconds / whole);
-    };
-    for (configuration, run) in peers {
-        let name = format!("{}: analyse, factor, solve; shape phase", configuration.library.name());
-        line(name, run.cold, format!("{:.0e}", run.error));
-    }
-    let none = String::new;
-    let kept: Vec<f64> = discrete.iter().filter(|update| !update.2).map(|update| update.0).collect();
-    let changed: Vec<f64> = discrete.iter().filter(|update| update.2).map(|update| update.0).collect();
+    let Measured { characters, peers, plain, discrete } = measured;
     let all: Vec<f64> = discrete.iter().map(|update| update.0).collect();
-    line("ours: an update, all three systems, median".to_owned(), median(&mut plain.clone()), none());
-    line("  … the longest".to_owned(), largest(plain), none());
+    let (own, scored) = (median(&mut plain.clone()), median(&mut all.clone()));
+    let mut text =
+        format!("relay of {characters}, its end dragged by {FAR} m in {UPDATES} updates; CPU time\n\n");
+    text += &format!(
+        "{:56}{:>9}{:>9}{:>9}{:>9}\n",
+        "shape phase: analyse, factor, solve", "ms", "error, m", "update", "scored"
+    );
+    for Raced { system, configuration, run, .. } in peers {
+        let Configuration { library, numbers, form, .. } = configuration;
+        let name = format!("{}, {}, {numbers:?} {form:?}", library.name(), system.name());
+        let (ms, error) = (1e3 * run.cold, run.error);
+        text +=
+            &format!("{name:56}{ms:>9.2}{error:>9.0e}{:>9.3}{:>9.3}\n", own / run.cold, scored / run.cold);
+    }
+    let of = |changed: bool| discrete.iter().filter(move |update| update.2 == changed).map(|update| update.0);
     let candidates = discrete.iter().map(|update| update.1);
     let (least, most) = (candidates.clone().min().unwrap_or(0), candidates.max().unwrap_or(0));
-    line(format!("ours: with all of {least} to {most} candidates scored, median"), median(&mut all.clone()), none());
-    line("  … mean".to_owned(), all.iter().sum::<f64>() / all.len() as f64, none());
-    line("  … the longest".to_owned(), largest(&all), none());
-    if !kept.is_empty() && !changed.is_empty() {
-        line(format!("  … median of {} in which nothing was changed", kept.len()), median(&mut kept.clone()), none());
-        line(format!("  … median of {} with a change", changed.len()), median(&mut changed.clone()), none());
-    }
-    for (configuration, _) in peers {
-        text += &format!("{}: {:?} {:?}, {}\n", configuration.library.name(), configuration.numbers, configuration.form, configuration.label);
+    text += "\nours\n";
+    let mut line = |name: String, mut seconds: Vec<f64>| {
+        if !seconds.is_empty() {
+            let longest = 1e3 * seconds.iter().copied().fold(0.0, f64::max);
+            text += &format!("{name:56}{:>9.2}  longest {longest:.2}\n", 1e3 * median(&mut seconds));
+        }
+    };
+    line("update: all three systems".to_owned(), plain.clone());
+    line(format!("scored: with all of {least} to {most} candidates, {UPDATES} updates"), all);
+    line(format!("  {} in which nothing changed", of(false).count()), of(false).collect());
+    line(format!("  {} with a change", of(true).count()), of(true).collect());
+    text.push('\n');
+    for Raced { system, size, configuration, .. } in peers {
+        let Configuration { library, numbers, form, label, .. } = configuration;
+        let Size { unknowns, hard, gauges } = size;
+        text += &format!(
+            "{}, {}, {numbers:?} {form:?}: {unknowns} unknowns, {hard} hard rows, {gauges} for free motions; {label}\n",
+            library.name(),
+            system.name()
+        );
     }
     text
-}
-
-fn largest(seconds: &[f64]) -> f64 {
-    seconds.iter().copied().fold(0.0, f64::max)
 }

@@ -138,13 +138,7 @@ impl Motion {
     }
 
     /// One animation of the frames `kept`; it holds before the first and after the last.
-    fn keyframes(
-        &self,
-        kind: &str,
-        kept: &[usize],
-        value: impl Fn(usize) -> String,
-        seconds: f64,
-    ) -> String {
+    fn keyframes(&self, kind: &str, kept: &[usize], value: impl Fn(usize) -> String, seconds: f64) -> String {
         let mut keys: Vec<(String, String)> = Vec::new();
         let first = kept.iter().take(1).map(|k| (0.0, *k));
         let last = kept.iter().rev().take(1).map(|k| (1.0, *k));

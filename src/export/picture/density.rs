@@ -72,7 +72,6 @@ pub(super) fn draw_row_names(sheet: &mut Sheet, axis: &Axis, picture: &Picture, 
     for (row, actors) in picture.actors.chunks(of_row).enumerate() {
         let y = axis.y(row);
         if y >= below {
-            
             let style = TextStyle { size: 11.0, colour: INK, anchor: "end", halo: false };
             sheet.text([axis.rows.x - 8.0, y + 3.7], style, &clipped(actors[0].name, 11.0, widest));
             below = y + 14.0;

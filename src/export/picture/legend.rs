@@ -1,9 +1,9 @@
 //! What the symbols mean; only those that occur.
 
 use super::Picture;
+use super::crowd::CROWD;
 use super::handles::{drag_pen, draw_drag_start};
 use super::objects::{OUTLINE, draw_mark, way_pen};
-use super::crowd::CROWD;
 use super::svg::{INK, Point, Rect, Sheet, TextStyle, tinted};
 use crate::export::palette::ramp;
 
@@ -63,12 +63,20 @@ fn entries(picture: &Picture) -> Vec<Entry> {
         ("way of an object", picture.objects.iter().any(|object| object.poses.len() > 1), |sheet, at| {
             stroke(sheet, at, &way_pen());
         }),
-        ("grasped", !crowd && picture.objects.iter().any(|object| !object.grasped.is_empty()), |sheet, at| {
-            draw_mark(sheet, at, OUTLINE);
-        }),
-        ("released", !crowd && picture.objects.iter().any(|object| !object.released.is_empty()), |sheet, at| {
-            draw_mark(sheet, at, "#ffffff");
-        }),
+        (
+            "grasped",
+            !crowd && picture.objects.iter().any(|object| !object.grasped.is_empty()),
+            |sheet, at| {
+                draw_mark(sheet, at, OUTLINE);
+            },
+        ),
+        (
+            "released",
+            !crowd && picture.objects.iter().any(|object| !object.released.is_empty()),
+            |sheet, at| {
+                draw_mark(sheet, at, "#ffffff");
+            },
+        ),
         ("stationary", still && !crowd, draw_stationary),
         ("same moment", !crowd && picture.ties.iter().any(|tie| !tie.pinned), draw_tie),
         ("given time", !crowd && picture.ties.iter().any(|tie| tie.pinned), draw_flag),
