@@ -93,7 +93,7 @@ impl Motion {
         let mut motion = Self { shares: Vec::new(), places: Vec::new(), angles: Vec::new() };
         let mut facing_before = None;
         for (share, at, facing) in samples {
-            if !is_drawable(at) || !facing.is_finite() {
+            if !is_drawable(at) || !facing.is_finite() || !share.is_finite() {
                 continue;
             }
             let angle = match (facing_before, motion.angles.last()) {
