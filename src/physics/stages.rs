@@ -145,6 +145,9 @@ const GROUND_REACH: f64 = 0.2;
 
 impl Levels {
     fn of(clip: &Clip) -> Self {
+        if clip.frame_count() == 0 {
+            return Self { grounds: Vec::new(), reach: 0.0 };
+        }
         let (first, last) = clip.usable;
         let working = WorkingClip::new(&clip.name, Arc::new(clip.clone()), first, last);
         let frame = |working_frame: usize| working.source_frame(working_frame as f64);
@@ -212,7 +215,8 @@ fn hands(clip: &Clip) -> impl Iterator<Item = Support> + '_ {
         let mut bears = vec![false; clip.frame_count()];
         for stated in clip.contacts.iter().filter(|stated| stated.point == point) {
             let last = stated.to.as_usize().min(bears.len().saturating_sub(1));
-            bears.get_mut(stated.from.as_usize()..=last)?.fill(true);
+            // A contact beyond the clip's end bears nowhere in it.
+            bears.get_mut(stated.from.as_usize()..=last).into_iter().for_each(|frames| frames.fill(true));
         }
         let is_any = bears.contains(&true);
         is_any.then(|| Support { bearer: Bearer::Hand(side), points: vec![at], bears })
