@@ -2,8 +2,9 @@
 //!
 //! [`body_model`] gives every skeleton links with masses; [`posed`] has their places along time; [`derivatives`] filters and
 //! differentiates them; [`support`] has polygons; [`sole`] finds the soles of the feet in a clip; [`stages`] tells ground from
-//! flight; [`zmp`] has the zero moment point and its distance to the polygon; [`flight`] makes flights physical; [`masses`] fits masses to motion that is known to
-//! be physical.
+//! flight; [`zmp`] has the zero moment point and its distance to the polygon; [`masses`] fits masses to motion that is known to
+//! be physical; [`ground`] turns bodies so that the ground can bear them; [`flight`] makes flights fall as bodies do; [`touch_up`] is all
+//! of the touch-up.
 //!
 //! Plan points here are `(x, z)` of the world (a mirrored plan: counter-clockwise here is clockwise seen from above).
 //!
@@ -18,8 +19,10 @@ pub mod sole;
 pub mod ballistics;
 pub mod stages;
 pub mod zmp;
-pub mod flight;
 pub mod masses;
+pub mod ground;
+pub mod flight;
+pub mod touch_up;
 
 use glam::{DVec2, DVec3};
 

@@ -48,9 +48,9 @@ pub struct Sole {
     pub joint: JointId,
     /// Away from the floor in the foot's axes, unit.
     pub normal: DVec3,
-    /// Height of the ankle when flat, metres.
+    /// Height of the ankle above the floor when flat, metres.
     pub ankle_clearance: f64,
-    /// Height of the ball's joint when flat, metres.
+    /// Height of the ball's joint above the floor when flat, metres.
     pub ball_clearance: f64,
     /// Heel, ball, and tip where the skeleton has toes.
     pub points: Vec<SolePoint>,
@@ -71,6 +71,10 @@ const HEEL: f64 = 0.033;
 /// Width of heel, ball and tip as shares of the widest.
 const HEEL_WIDTH: f64 = 0.75;
 const TIP_WIDTH: f64 = 0.7;
+/// Heights of flat ankles in the world, mean of both, shares of the stature; outside these the floor is not at 0 …
+const USUAL_ANKLE: std::ops::Range<f64> = 0.015..0.1;
+/// … but so far below each ankle.
+const ANKLE: f64 = 0.047;
 /// A toe shorter than this has no tip, metres.
 const SHORTEST_TOE: f64 = 0.01;
 
@@ -81,12 +85,19 @@ pub fn soles(skeleton: &Skeleton, body: &BodyModel, posed: &PosedClip) -> Vec<So
         (Side::Left, JointRole::LeftFoot, JointRole::LeftToe),
         (Side::Right, JointRole::RightFoot, JointRole::RightToe),
     ];
-    let sole = |(side, foot, toe)| {
+    let foot = |(side, foot, toe)| {
         let joint = body.foot(skeleton, foot)?;
         let foot = Foot::of(skeleton, body, (joint, skeleton.joint_of(toe)))?;
-        Some(foot.sole(side, body.stature, posed))
+        Some((side, Flat::of(&foot, posed), foot))
     };
-    feet.into_iter().filter_map(sole).collect()
+    let found: Vec<(Side, Flat, Foot)> = feet.into_iter().filter_map(foot).collect();
+    let mean = found.iter().map(|(_, flat, _)| flat.ankle).sum::<f64>() / found.len().max(1) as f64;
+    let is_usual = USUAL_ANKLE.contains(&(mean / body.stature));
+    let sole = |(side, flat, foot): &(Side, Flat, Foot)| {
+        let floor = if is_usual { 0.0 } else { flat.ankle - ANKLE * body.stature };
+        foot.sole(*side, (flat, floor), (body.stature, posed))
+    };
+    found.iter().map(sole).collect()
 }
 
 /// Ankle, ball and tip on their joints.
@@ -108,11 +119,9 @@ impl Foot {
         })
     }
 
-    fn sole(&self, side: Side, stature: f64, posed: &PosedClip) -> Sole {
-        let [ankle, ball] = [&self.ankle, &self.ball].map(|point| Along::of(point, posed));
-        let flat = flat_frames(&ankle, &ball);
-        let normal = median_up(posed, self.ankle.joint, &flat);
-        let (ankle_clearance, ball_clearance) = (ankle.median(&flat), ball.median(&flat));
+    fn sole(&self, side: Side, (flat, floor): (&Flat, f64), (stature, posed): (f64, &PosedClip)) -> Sole {
+        let normal = flat.normal;
+        let (ankle_clearance, ball_clearance) = (flat.ankle - floor, flat.ball - floor);
         let half = HALF_WIDTH * stature;
         let ahead = flattened(self.ball.local, normal);
         let heel = -ankle_clearance * normal - HEEL * stature * ahead;
@@ -123,12 +132,32 @@ impl Foot {
             pair(SolePart::Ball, joint, under_ball, normal.cross(ahead) * half),
         ];
         if let Some(tip) = &self.tip {
-            let normal = median_up(posed, tip.joint, &flat);
-            let under = tip.local - Along::of(tip, posed).median(&flat) * normal;
+            let normal = median_up(posed, tip.joint, &flat.frames);
+            let under = tip.local - (Along::of(tip, posed).median(&flat.frames) - floor) * normal;
             let aside = normal.cross(flattened(tip.local, normal)) * (TIP_WIDTH * half);
             points.push(pair(SolePart::Tip, tip.joint, under, aside));
         }
-        Sole { side, joint, normal, ankle_clearance, ball_clearance, points, flat_frames: flat.len() }
+        let flat_frames = flat.frames.len();
+        Sole { side, joint, normal, ankle_clearance, ball_clearance, points, flat_frames }
+    }
+}
+
+/// A foot that stands flat.
+struct Flat {
+    frames: Vec<usize>,
+    /// Up in the axes of the foot, unit.
+    normal: DVec3,
+    /// World heights of ankle and ball, metres.
+    ankle: f64,
+    ball: f64,
+}
+
+impl Flat {
+    fn of(foot: &Foot, posed: &PosedClip) -> Self {
+        let [ankle, ball] = [&foot.ankle, &foot.ball].map(|point| Along::of(point, posed));
+        let frames = flat_frames(&ankle, &ball);
+        let normal = median_up(posed, foot.ankle.joint, &frames);
+        Self { normal, ankle: ankle.median(&frames), ball: ball.median(&frames), frames }
     }
 }
 

@@ -2,15 +2,19 @@
 //!
 //! Heel, ball and tip of each foot are labelled each by itself: the tip carries the push-off for a while after the ball has left.
 //! Labels for support (polygons, plants) and for flight are apart: what touches without supporting is neither. All thresholds are in
-//! seconds and metres.
+//! seconds and metres. Where feet stand on something higher than the floor (steps, slopes), labels go by that.
+
+use std::sync::Arc;
 
 use glam::DVec3;
 
 use crate::clip::Clip;
+use crate::clip::contacts::raised::RaisedGround;
 use crate::clip::contacts::{
     BodyPoint, ContactPoint, ContactSettings, contact_point, drop_short, latched, runs, tidy,
 };
 use crate::clip::flight::other_joints;
+use crate::clip::working::WorkingClip;
 use crate::index::floor_index;
 use crate::physics::ballistics::{FlightCheck, check_flight};
 use crate::physics::body_model::BodyModel;
@@ -104,14 +108,16 @@ pub fn stages(clip: &Clip, body: &BodyModel, posed: &PosedClip, settings: &Stage
     let mut supports = Vec::new();
     let mut touches = vec![false; posed.frame_count()];
     let mut floor = f64::INFINITY;
+    let levels = Levels::of(clip);
     for sole in &soles {
         for point in &sole.points {
             let along = Along::of_places(&middles(point.pair, posed), posed.fps);
             let lowest = along.lowest();
             floor = floor.min(lowest);
-            mark_touching(&mut touches, &along, (lowest + settings.height, settings.touch_speed));
-            let bears = supporting(&along, lowest, posed.fps, settings);
             let bearer = Bearer::Sole(sole.side, point.part);
+            let over_ground = Along { heights: levels.over(bearer, &along.heights, lowest), ..along };
+            mark_touching(&mut touches, &over_ground, (settings.height, settings.touch_speed));
+            let bears = supporting(&over_ground, posed.fps, settings);
             supports.push(Support { bearer, points: point.pair.to_vec(), bears });
         }
     }
@@ -126,6 +132,55 @@ pub fn stages(clip: &Clip, body: &BodyModel, posed: &PosedClip, settings: &Stage
     stages
 }
 
+/// Ground that is not the floor, by frames of a clip.
+struct Levels {
+    /// What rests there, first and last frame, height above the floor in metres.
+    grounds: Vec<(ContactPoint, f64, f64, f64)>,
+    /// How far in frames a ground reaches beyond the contact it was found by: the tip pushes off later than the ball.
+    reach: f64,
+}
+
+/// See [`Levels::reach`], seconds.
+const GROUND_REACH: f64 = 0.2;
+
+impl Levels {
+    fn of(clip: &Clip) -> Self {
+        if clip.frame_count() == 0 {
+            return Self { grounds: Vec::new(), reach: 0.0 };
+        }
+        let (first, last) = clip.usable;
+        let working = WorkingClip::new(&clip.name, Arc::new(clip.clone()), first, last);
+        let frame = |working_frame: usize| working.source_frame(working_frame as f64);
+        let ground = |own: &RaisedGround| (own.point, frame(own.first), frame(own.last), own.height);
+        Self { grounds: working.grounds.iter().map(ground).collect(), reach: GROUND_REACH * clip.fps }
+    }
+
+    /// Heights above the floor, which is at `lowest`, or how far from raised ground, whichever is less; metres.
+    fn over(&self, bearer: Bearer, heights: &[f64], lowest: f64) -> Vec<f64> {
+        let mut over: Vec<f64> = heights.iter().map(|height| height - lowest).collect();
+        for (_, first, last, level) in self.grounds.iter().filter(|own| is_of(own.0, bearer)) {
+            let from = floor_index((first - self.reach).ceil());
+            let to = floor_index(last + self.reach).min(heights.len().saturating_sub(1));
+            for frame in from..=to {
+                over[frame] = over[frame].min((heights[frame] - lowest - level).abs());
+            }
+        }
+        over
+    }
+}
+
+/// Balls and tips stand where toes do.
+fn is_of(point: ContactPoint, bearer: Bearer) -> bool {
+    use ContactPoint::{LeftHeel, LeftToe, RightHeel, RightToe};
+    match bearer {
+        Bearer::Sole(Side::Left, SolePart::Heel) => point == LeftHeel,
+        Bearer::Sole(Side::Left, _) => point == LeftToe,
+        Bearer::Sole(Side::Right, SolePart::Heel) => point == RightHeel,
+        Bearer::Sole(Side::Right, _) => point == RightToe,
+        Bearer::Hand(_) => false,
+    }
+}
+
 fn middles([a, b]: [BodyPoint; 2], posed: &PosedClip) -> Vec<DVec3> {
     let middle = BodyPoint { joint: a.joint, local: 0.5 * (a.local + b.local) };
     (0..posed.frame_count()).map(|frame| middle.place(posed.frame(frame))).collect()
@@ -138,8 +193,8 @@ fn mark_touching(touches: &mut [bool], along: &Along, below: (f64, f64)) {
     }
 }
 
-fn supporting(along: &Along, lowest: f64, fps: f64, settings: &StageSettings) -> Vec<bool> {
-    let heights: Vec<f64> = along.heights.iter().map(|height| height - lowest).collect();
+/// `over_ground`: heights above what the point can stand on.
+fn supporting(over_ground: &Along, fps: f64, settings: &StageSettings) -> Vec<bool> {
     let labelling = ContactSettings {
         speed: settings.speed,
         hysteresis: settings.hysteresis,
@@ -147,7 +202,7 @@ fn supporting(along: &Along, lowest: f64, fps: f64, settings: &StageSettings) ->
         longest_gap: floor_index(settings.longest_gap * fps),
         ..ContactSettings::default()
     };
-    let mut labels = latched(&heights, &along.speeds, settings.height, &labelling);
+    let mut labels = latched(&over_ground.heights, &over_ground.speeds, settings.height, &labelling);
     tidy(&mut labels, &labelling);
     labels
 }
@@ -160,7 +215,8 @@ fn hands(clip: &Clip) -> impl Iterator<Item = Support> + '_ {
         let mut bears = vec![false; clip.frame_count()];
         for stated in clip.contacts.iter().filter(|stated| stated.point == point) {
             let last = stated.to.as_usize().min(bears.len().saturating_sub(1));
-            bears.get_mut(stated.from.as_usize()..=last)?.fill(true);
+            // A contact beyond the clip's end bears nowhere in it.
+            bears.get_mut(stated.from.as_usize()..=last).into_iter().for_each(|frames| frames.fill(true));
         }
         let is_any = bears.contains(&true);
         is_any.then(|| Support { bearer: Bearer::Hand(side), points: vec![at], bears })
@@ -214,8 +270,9 @@ impl Stages {
             let Some(check) = check_flight(&heights, (first, last), posed.fps) else { continue };
             if check.gravity < LEAST_GRAVITY {
                 self.phases[first..=last].fill(Phase::Touch);
+            } else {
+                self.flights.push(check);
             }
-            self.flights.push(check);
         }
     }
 }

@@ -11,6 +11,7 @@ use cotillion::clip::Clip;
 use cotillion::clip::contacts::BodyPoint;
 use cotillion::physics::flight::report::{FAR_TURN_DEG, FlightFacts};
 use cotillion::physics::flight::{FlightSettings, Flown, MomentumTarget, fly, halves_in_turn};
+use cotillion::physics::ground::{GroundSettings, ground_pass};
 use cotillion::physics::posed::PosedClip;
 use cotillion::physics::stages::{Bearer, Phase};
 use cotillion::physics::zmp::DistanceSummary;
@@ -65,12 +66,29 @@ fn main() {
         trial("49_02 has a glitch of its own".to_owned(), glitch_is_captured, HOPS),
         trial("halves may turn first".to_owned(), halves_fly, FORWARD),
         trial("planted feet stay beside a turned landing".to_owned(), feet_stay, FORWARD),
+        trial("after the ground".to_owned(), after_ground, FORWARD),
         trial("the same comes out twice".to_owned(), same_twice, FORWARD),
     ];
     for (file, _) in JUMPS {
         trials.push(trial(format!("{file} flies as bodies do"), flies, file));
     }
     libtest_mimic::run(&arguments, trials).exit();
+}
+
+fn after_ground(folder: &Path, file: &str) -> Result<(), Failed> {
+    let mut faults = Vec::new();
+    for degrees in [30.0, 60.0, -60.0] {
+        for rounds in [1, 3] {
+        let jump = load(folder, file)?.bent(degrees);
+        let settings = GroundSettings { rounds, ..GroundSettings::default() };
+        let start = flown(&jump, &FlightSettings::default())?.report.flights[0].clone();
+        let (clip, report) = ground_pass(&jump.clip, &jump.body, &jump.stages, None, &settings)?;
+        let own = Jump { clip, ..jump };
+        let f = flown(&own, &FlightSettings::default())?.report.flights[0].clone();
+        let d = |s: Option<DistanceSummary>| s.map_or(-1.0, |s| s.mean*1e3);
+        faults.push(format!("{degrees} {rounds}: start {:.2} {:.2}, ground {:.2} {:.2}, flown {:.2} {:.2}; alone {:.2} {:.2}, turn {:.2} steps {} ground {}", d(start.beside[0]), d(start.beside_judged[0]), d(f.beside[0]), d(f.beside_judged[0]), d(f.beside[1]), d(f.beside_judged[1]), d(start.beside[1]), d(start.beside_judged[1]), f.largest_turn.to_degrees(), f.newton_steps, report.steps.len()));
+    }}
+    told(faults)
 }
 
 fn mocap_folder() -> Option<PathBuf> {

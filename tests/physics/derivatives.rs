@@ -145,18 +145,22 @@ proptest! {
     #[test]
     fn convolution_is_the_sum_of_reflected_taps(values in prop::collection::vec(-5.0..5.0_f64, 2..40), width in 0..30_usize) {
         let kernel = Kernel::of_frames(width);
-        let last = values.len() as i64 - 1;
-        fn at(values: &[f64], k: i64) -> f64 {
-            let last = values.len() as i64 - 1;
-            if k < 0 { 2.0 * values[0] - at(values, -k) }
-            else if k > last { 2.0 * values[last as usize] - at(values, 2 * last - k) }
-            else { values[k as usize] }
-        }
         let found = smooth(&lane(values.iter().copied()), &kernel);
-        for k in 0..=last {
-            let own = kernel.taps[0] * at(&values, k);
-            let sum: f64 = (1..kernel.taps.len() as i64).map(|j| kernel.taps[j as usize] * (at(&values, k - j) + at(&values, k + j))).sum();
-            prop_assert!((found.values[k as usize] - own - sum).abs() < 1e-10);
+        for k in 0..values.len() {
+            let tap = |j: usize| kernel.taps[j] * (before(&values, k, j) + after(&values, k, j));
+            let sum: f64 = kernel.taps[0] * values[k] + (1..kernel.taps.len()).map(tap).sum::<f64>();
+            prop_assert!((found.values[k] - sum).abs() < 1e-10);
         }
     }
+}
+
+/// Value `j` frames before frame `k`, reflected in the first point.
+fn before(values: &[f64], k: usize, j: usize) -> f64 {
+    if j <= k { values[k - j] } else { 2.0 * values[0] - after(values, 0, j - k) }
+}
+
+/// Value `j` frames after frame `k`, reflected in the last point.
+fn after(values: &[f64], k: usize, j: usize) -> f64 {
+    let last = values.len() - 1;
+    if k + j <= last { values[k + j] } else { 2.0 * values[last] - before(values, last, k + j - last) }
 }

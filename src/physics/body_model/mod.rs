@@ -101,11 +101,11 @@ impl BodyModel {
         })
     }
 
-    /// The same body with other masses, kg, one a link; inertia grows with them.
+    /// The same body with other masses, kg, one a link; inertia grows with them. What weighs nothing stays without inertia.
     pub fn with_link_masses(&self, masses: &[f64]) -> Self {
         let mut body = self.clone();
         for (link, mass) in body.links.iter_mut().zip(masses) {
-            link.inertia *= mass / link.mass;
+            link.inertia *= if link.mass > 0.0 { mass / link.mass } else { 0.0 };
             link.mass = *mass;
         }
         body.mass = body.links.iter().map(|link| link.mass).sum();

@@ -43,6 +43,11 @@ impl Lanes {
     }
 
     /// The three lanes of vector `index` along time.
+    pub fn vector_lanes(&self, index: usize) -> [&[f64]; 3] {
+        [0, 1, 2].map(|axis| self.lane(3 * index + axis))
+    }
+
+    /// The three lanes of vector `index` along time.
     pub fn vector_mut(&mut self, index: usize) -> [&mut [f64]; 3] {
         let count = self.frame_count;
         let (x, rest) = self.values[3 * index * count..3 * (index + 1) * count].split_at_mut(count);

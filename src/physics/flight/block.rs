@@ -11,11 +11,12 @@ use crate::physics::ballistics::{FlightCheck, check_flight};
 use crate::physics::body_model::BodyModel;
 use crate::physics::derivatives::Kernel;
 use crate::physics::derivatives::orientation::smooth_logs;
-use crate::physics::flight::halves::{Half, replace};
+use crate::physics::flight::halves::Half;
 use crate::physics::flight::momentum::pairs;
 use crate::physics::flight::parabola::{Parabola, parabola};
 use crate::physics::flight::turning::{Aim, Settled, aimed, end_preserving_momentum, mean_momentum, settled};
 use crate::physics::flight::{FlightSettings, FlightStep, MomentumTarget};
+use crate::physics::ground::displacement::replace;
 use crate::physics::posed::{PosedClip, centers_of_mass, link_places};
 
 /// Frames of a flight and of its borders on the ground.

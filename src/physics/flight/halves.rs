@@ -6,6 +6,7 @@ use crate::clip::Clip;
 use crate::full_body::chain::is_below;
 use crate::index::JointId;
 use crate::physics::body_model::BodyModel;
+use crate::physics::ground::displacement::replace;
 use crate::physics::posed::PosedClip;
 use crate::skeleton::{JointRole, Skeleton};
 
@@ -50,7 +51,7 @@ impl Half {
             body.links.iter().filter(|link| in_upper(border, link.joint)).map(|link| link.mass).sum()
         };
         let border = joints().filter(is_border).max_by(|a, b| mass(*a).total_cmp(&mass(*b)))?;
-        if !(mass(border) > 0.0) {
+        if mass(border) <= 0.0 {
             return None;
         }
         let members = joints().map(|joint| in_upper(border, joint) == (name == HalfName::Upper)).collect();
@@ -82,10 +83,4 @@ impl Half {
             clip.root_positions[frame] = border.position + *turn * (root - border.position);
         }
     }
-}
-
-/// Either sign of a quaternion is the same rotation; the nearer one keeps channels of files continuous.
-pub(super) fn replace(local: &mut DQuat, rotation: DQuat) {
-    let rotation = rotation.normalize();
-    *local = if rotation.dot(*local) < 0.0 { -rotation } else { rotation };
 }

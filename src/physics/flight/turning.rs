@@ -77,7 +77,7 @@ const STIFFENING: f64 = 1e-3;
 /// `matrix⁻¹ vector`; of a singular matrix (one thin link turns) nearly.
 fn solved(matrix: &DMat3, vector: DVec3) -> DVec3 {
     let mean = trace(matrix) / 3.0;
-    if !(mean.abs() > 0.0) {
+    if mean == 0.0 {
         return DVec3::ZERO;
     }
     let is_singular = matrix.determinant().abs() < SINGULAR * mean.abs().powi(3);

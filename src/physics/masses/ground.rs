@@ -99,7 +99,7 @@ impl MassProblem {
         let entry = |row: usize, group: usize| {
             let [x, z, force] = self.frames[row / 2].groups[group];
             let target = targets[row / 2];
-            let moment = if row % 2 == 0 { x - target.x * force } else { z - target.y * force };
+            let moment = if row.is_multiple_of(2) { x - target.x * force } else { z - target.y * force };
             moment / (GRAVITY * self.masses[group])
         };
         let rows = DMatrix::from_fn(2 * self.frames.len(), self.masses.len(), entry);

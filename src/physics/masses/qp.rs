@@ -52,7 +52,8 @@ pub(super) fn solve_dense(gram: &[Vec<f64>], weights: &[f64], masses: &[f64]) ->
         program.add_upper(&[(row, -1.0)], 0.0);
     }
     program.add_equality(masses, masses.iter().sum());
-    program.solve()
+    // Bounds hold to the solver's tolerance.
+    Ok(program.solve()?.into_iter().map(|factor| factor.max(0.0)).collect())
 }
 
 /// Outward unit normals and offsets of the half-planes whose intersection a polygon is: two pairs of opposite ones for a point or a
