@@ -3,7 +3,7 @@
 //! [`body_model`] gives every skeleton links with masses; [`posed`] has their places along time; [`derivatives`] filters and
 //! differentiates them; [`support`] has polygons; [`sole`] finds the soles of the feet in a clip; [`stages`] tells ground from
 //! flight; [`zmp`] has the zero moment point and its distance to the polygon; [`masses`] fits masses to motion that is known to
-//! be physical.
+//! be physical; [`ground`] turns bodies so that the ground can bear them; [`touch_up`] is all of the touch-up.
 //!
 //! Plan points here are `(x, z)` of the world (a mirrored plan: counter-clockwise here is clockwise seen from above).
 //!
@@ -19,6 +19,8 @@ pub mod ballistics;
 pub mod stages;
 pub mod zmp;
 pub mod masses;
+pub mod ground;
+pub mod touch_up;
 
 use glam::{DVec2, DVec3};
 

@@ -153,7 +153,7 @@ pub fn reactions(forces: &LinkForces) -> Vec<Reaction> {
 /// full.
 const LEAST_LOAD: f64 = 0.3;
 /// Nearer to the ends of a clip than this there is none, seconds: filters have no data there.
-const CLIP_END: f64 = 0.17;
+pub const CLIP_END: f64 = 0.17;
 
 /// How far the zero moment point of one frame counts, 0 to 1. `load`: vertical force over weight.
 pub fn confidence_of(load: f64) -> f64 {
