@@ -3,7 +3,8 @@
 //! [`body_model`] gives every skeleton links with masses; [`posed`] has their places along time; [`derivatives`] filters and
 //! differentiates them; [`support`] has polygons; [`sole`] finds the soles of the feet in a clip; [`stages`] tells ground from
 //! flight; [`zmp`] has the zero moment point and its distance to the polygon; [`masses`] fits masses to motion that is known to
-//! be physical; [`ground`] turns bodies so that the ground can bear them; [`touch_up`] is all of the touch-up.
+//! be physical; [`ground`] turns bodies so that the ground can bear them; [`flight`] makes flights physical; [`touch_up`] is all
+//! of the touch-up; [`course`] has what it changes, frame by frame.
 //!
 //! Plan points here are `(x, z)` of the world (a mirrored plan: counter-clockwise here is clockwise seen from above).
 //!
@@ -18,9 +19,11 @@ pub mod sole;
 pub mod ballistics;
 pub mod stages;
 pub mod zmp;
+pub mod flight;
 pub mod masses;
 pub mod ground;
 pub mod touch_up;
+pub mod course;
 
 use glam::{DVec2, DVec3};
 
