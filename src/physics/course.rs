@@ -4,13 +4,15 @@ use glam::{DQuat, DVec3};
 
 use crate::clip::Clip;
 use crate::physics::body_model::BodyModel;
-use crate::physics::derivatives::Lanes;
-use crate::physics::derivatives::Filter;
+use crate::physics::derivatives::{Filter, Lanes};
 use crate::physics::flight::momentum::pairs;
 use crate::physics::ground::target::FILTERS;
 use crate::physics::posed::{PosedClip, centers_of_mass, link_places};
 use crate::physics::stages::Stages;
-use crate::physics::zmp::{ForceSettings, balances, link_forces};
+use crate::physics::zmp::{
+    Balance, DistanceSummary, ForceSettings, balances, distance_summary, frames_pulled_down, link_forces,
+    reactions,
+};
 
 /// Measures of a motion, each one a frame.
 #[derive(Clone, Debug, PartialEq)]
@@ -22,21 +24,27 @@ pub struct Course {
     pub momentum: Vec<f64>,
     /// Height of the centre of mass, unfiltered, metres.
     pub heights: Vec<f64>,
+    /// Of `distances`; `None` where nothing bears.
+    pub summaries: [Option<DistanceSummary>; 2],
+    /// Frames that stand on the ground while nothing bears them.
+    pub pulled_down: Vec<usize>,
 }
 
 /// Measures of `clip`, which `stages` has the frames of. Cost: linear in frames times links.
 pub fn course(clip: &Clip, body: &BodyModel, stages: &Stages) -> Course {
     let posed = PosedClip::of(clip);
-    let distances = FILTERS.map(|filter| {
-        let forces = link_forces(body, &posed, &ForceSettings { filter, ..ForceSettings::default() });
-        let counted = balances(body, &posed, stages, &forces).into_iter();
-        counted.map(|own| own.filter(|own| own.confidence > 0.5).map(|own| own.distance)).collect()
-    });
+    let forces = FILTERS
+        .map(|filter| link_forces(body, &posed, &ForceSettings { filter, ..ForceSettings::default() }));
+    let balances = forces.each_ref().map(|forces| balances(body, &posed, stages, forces));
+    let counted =
+        |own: &Option<Balance>| own.as_ref().filter(|own| own.confidence > 0.5).map(|own| own.distance);
     let centers = centers_of_mass(body, &link_places(body, &posed));
     Course {
-        distances,
+        distances: balances.each_ref().map(|own| own.iter().map(counted).collect()),
         momentum: momentum(body, &posed),
         heights: centers.iter().map(|center| center.y).collect(),
+        summaries: balances.each_ref().map(|own| distance_summary(own)),
+        pulled_down: frames_pulled_down(stages, &reactions(&forces[0])),
     }
 }
 
