@@ -31,7 +31,7 @@ pub struct TouchUpCurves<'a> {
 }
 
 const WIDTH: f64 = 1120.0;
-const HEIGHT: f64 = 640.0;
+const HEIGHT: f64 = 612.0;
 /// Left column: charts along time; right column: steps. px.
 const CHARTS: Rect = Rect { x: 66.0, y: 92.0, w: 710.0, h: 448.0 };
 const STEPS: Rect = Rect { x: 866.0, y: 92.0, w: 228.0, h: 132.0 };
