@@ -64,7 +64,7 @@ fn ground(criterion: &mut Criterion) {
         for frames in [400, 1600, 6400] {
             let walk = walk(frames);
             let ground = GroundSettings { rounds: 1, target, ..GroundSettings::default() };
-            let settings = TouchUpSettings { ground };
+            let settings = TouchUpSettings { ground, flight: None };
             group.throughput(Throughput::Elements(frames as u64));
             group.bench_with_input(BenchmarkId::new(name, frames), &walk, |bencher, walk| {
                 bencher.iter(|| {

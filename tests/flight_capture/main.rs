@@ -79,15 +79,16 @@ fn after_ground(folder: &Path, file: &str) -> Result<(), Failed> {
     let mut faults = Vec::new();
     for degrees in [30.0, 60.0, -60.0] {
         for rounds in [1, 3] {
-        let jump = load(folder, file)?.bent(degrees);
-        let settings = GroundSettings { rounds, ..GroundSettings::default() };
-        let start = flown(&jump, &FlightSettings::default())?.report.flights[0].clone();
-        let (clip, report) = ground_pass(&jump.clip, &jump.body, &jump.stages, None, &settings)?;
-        let own = Jump { clip, ..jump };
-        let f = flown(&own, &FlightSettings::default())?.report.flights[0].clone();
-        let d = |s: Option<DistanceSummary>| s.map_or(-1.0, |s| s.mean*1e3);
-        faults.push(format!("{degrees} {rounds}: start {:.2} {:.2}, ground {:.2} {:.2}, flown {:.2} {:.2}; alone {:.2} {:.2}, turn {:.2} steps {} ground {}", d(start.beside[0]), d(start.beside_judged[0]), d(f.beside[0]), d(f.beside_judged[0]), d(f.beside[1]), d(f.beside_judged[1]), d(start.beside[1]), d(start.beside_judged[1]), f.largest_turn.to_degrees(), f.newton_steps, report.steps.len()));
-    }}
+            let jump = load(folder, file)?.bent(degrees);
+            let settings = GroundSettings { rounds, ..GroundSettings::default() };
+            let start = flown(&jump, &FlightSettings::default())?.report.flights[0].clone();
+            let (clip, report) = ground_pass(&jump.clip, &jump.body, &jump.stages, None, &settings)?;
+            let own = Jump { clip, ..jump };
+            let f = flown(&own, &FlightSettings::default())?.report.flights[0].clone();
+            let d = |s: Option<DistanceSummary>| s.map_or(-1.0, |s| s.mean * 1e3);
+            faults.push(format!("{degrees} {rounds}: start {:.2} {:.2}, ground {:.2} {:.2}, flown {:.2} {:.2}; alone {:.2} {:.2}, turn {:.2} steps {} ground {}", d(start.beside[0]), d(start.beside_judged[0]), d(f.beside[0]), d(f.beside_judged[0]), d(f.beside[1]), d(f.beside_judged[1]), d(start.beside[1]), d(start.beside_judged[1]), f.largest_turn.to_degrees(), f.newton_steps, report.steps.len()));
+        }
+    }
     told(faults)
 }
 

@@ -134,7 +134,8 @@ pub fn joint_changes(from: &Clip, to: &Clip) -> Vec<f64> {
     from.rotations.iter().zip(&to.rotations).map(change).collect()
 }
 
-fn largest_change(from: &Clip, to: &Clip) -> Option<JointChange> {
+/// Joint that turns most against its parent from one clip to another of the same skeleton and length; `None` if none turns.
+pub fn largest_change(from: &Clip, to: &Clip) -> Option<JointChange> {
     let joint_count = from.skeleton.joints.len();
     let changes = joint_changes(from, to);
     let (at, angle) = changes.iter().enumerate().max_by(|(_, a), (_, b)| a.total_cmp(b))?;
