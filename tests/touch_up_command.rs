@@ -48,14 +48,18 @@ fn a_bent_walk_is_borne_by_the_ground_and_the_report_says_how() {
     let report = report(&[WALK, "--bend", "3", "--plots", "--strip"], home.path());
     // The prototype's bends come to a twentieth; generated walks start farther off.
     assert!(number(&report, "/ground/after/d/mean") < 0.125 * number(&report, "/ground/before/d/mean"));
-    assert!(number(&report, "/ground/after/d_6hz/mean") < 0.125 * number(&report, "/ground/before/d_6hz/mean"));
+    assert!(
+        number(&report, "/ground/after/d_6hz/mean") < 0.125 * number(&report, "/ground/before/d_6hz/mean")
+    );
     let steps = report["ground"]["steps"].as_array().expect("steps");
     assert_eq!(steps.len(), 9);
     let means: Vec<f64> = steps.iter().map(|step| number(step, "/d/mean")).collect();
     assert!(means.windows(2).all(|pair| pair[1] < pair[0]), "falls at every step: {means:?}");
     assert!(number(&report, "/ground/plants/largest_error") < 1e-4);
     assert!(number(&report, "/ground/source/d/mean") > 0.0, "the source is known");
-    assert!(number(&report, "/largest_change/degrees") > 0.0 && report["largest_change"]["joint"].is_string());
+    assert!(
+        number(&report, "/largest_change/degrees") > 0.0 && report["largest_change"]["joint"].is_string()
+    );
     assert!(number(&report, "/result/d/mean") > 0.0 && number(&report, "/ground/root_shift") > 0.0);
     for file in ["walk.bvh", "walk.curves.svg", "walk.before.svg", "walk.after.svg"] {
         assert!(home.path().join(file).is_file(), "{file}");
