@@ -16,7 +16,7 @@ pub enum ArcError {
         radius: f64,
     },
     /// A clip that ends where it begins.
-    #[error("the clip ends {chord} m from where it begins: it has no chord")]
+    #[error("the clip ends {chord:.3} m from where it begins: it has no chord")]
     NoChord {
         /// Metres.
         chord: f64,

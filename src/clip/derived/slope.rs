@@ -9,7 +9,7 @@ use crate::clip::Clip;
 #[non_exhaustive]
 pub enum SlopeError {
     /// A clip that ends where it begins.
-    #[error("the clip ends {chord} m from where it begins: it has no way ahead")]
+    #[error("the clip ends {chord:.3} m from where it begins: it has no way ahead")]
     NoChord {
         /// Metres.
         chord: f64,
