@@ -66,7 +66,11 @@ fn main() {
         trial("49_02 has a glitch of its own".to_owned(), glitch_is_captured, HOPS),
         trial("halves may turn first".to_owned(), halves_fly, FORWARD),
         trial("planted feet stay beside a turned landing".to_owned(), feet_stay, FORWARD),
-        trial("a ground pass first leaves the borders better than they came".to_owned(), borders_get_better, FORWARD),
+        trial(
+            "a ground pass first leaves the borders better than they came".to_owned(),
+            borders_get_better,
+            FORWARD,
+        ),
         trial("the same comes out twice".to_owned(), same_twice, FORWARD),
     ];
     for (file, _) in JUMPS {
