@@ -66,30 +66,17 @@ fn main() {
         trial("49_02 has a glitch of its own".to_owned(), glitch_is_captured, HOPS),
         trial("halves may turn first".to_owned(), halves_fly, FORWARD),
         trial("planted feet stay beside a turned landing".to_owned(), feet_stay, FORWARD),
-        trial("after the ground".to_owned(), after_ground, FORWARD),
+        trial(
+            "a ground pass first leaves the borders better than they came".to_owned(),
+            borders_get_better,
+            FORWARD,
+        ),
         trial("the same comes out twice".to_owned(), same_twice, FORWARD),
     ];
     for (file, _) in JUMPS {
         trials.push(trial(format!("{file} flies as bodies do"), flies, file));
     }
     libtest_mimic::run(&arguments, trials).exit();
-}
-
-fn after_ground(folder: &Path, file: &str) -> Result<(), Failed> {
-    let mut faults = Vec::new();
-    for degrees in [30.0, 60.0, -60.0] {
-        for rounds in [1, 3] {
-            let jump = load(folder, file)?.bent(degrees);
-            let settings = GroundSettings { rounds, ..GroundSettings::default() };
-            let start = flown(&jump, &FlightSettings::default())?.report.flights[0].clone();
-            let (clip, report) = ground_pass(&jump.clip, &jump.body, &jump.stages, None, &settings)?;
-            let own = Jump { clip, ..jump };
-            let f = flown(&own, &FlightSettings::default())?.report.flights[0].clone();
-            let d = |s: Option<DistanceSummary>| s.map_or(-1.0, |s| s.mean * 1e3);
-            faults.push(format!("{degrees} {rounds}: start {:.2} {:.2}, ground {:.2} {:.2}, flown {:.2} {:.2}; alone {:.2} {:.2}, turn {:.2} steps {} ground {}", d(start.beside[0]), d(start.beside_judged[0]), d(f.beside[0]), d(f.beside_judged[0]), d(f.beside[1]), d(f.beside_judged[1]), d(start.beside[1]), d(start.beside_judged[1]), f.largest_turn.to_degrees(), f.newton_steps, report.steps.len()));
-        }
-    }
-    told(faults)
 }
 
 fn mocap_folder() -> Option<PathBuf> {
@@ -178,6 +165,23 @@ fn bent_fly(folder: &Path, file: &str) -> Result<(), Failed> {
         if !is_exact(facts) || !is_small || after > BESIDE * before || changed_ground(&jump, &flown.clip) > 0
         {
             faults.push(format!("{degrees}°: {facts}; beside {before} {after}"));
+        }
+    }
+    told(faults)
+}
+
+/// Flights disturb the ground beside them; where that was put right first, zero moment points end nearer than they started.
+fn borders_get_better(folder: &Path, file: &str) -> Result<(), Failed> {
+    let mut faults = Vec::new();
+    for degrees in [30.0, 60.0, -30.0, -60.0] {
+        let jump = load(folder, file)?.bent(degrees);
+        let alone = flown(&jump, &FlightSettings::default())?.report.flights;
+        let (clip, _) = ground_pass(&jump.clip, &jump.body, &jump.stages, None, &GroundSettings::default())?;
+        let after = flown(&Jump { clip, ..jump }, &FlightSettings::default())?.report.flights;
+        let starts = [mean(alone[0].beside[0])?, mean(alone[0].beside_judged[0])?];
+        let ends = [mean(after[0].beside[1])?, mean(after[0].beside_judged[1])?];
+        if ends[0] > starts[0] || ends[1] > starts[1] || !is_exact(&after[0]) {
+            faults.push(format!("{degrees}°: {starts:?} {ends:?} {}", after[0]));
         }
     }
     told(faults)

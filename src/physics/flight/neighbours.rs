@@ -122,3 +122,53 @@ impl Zone {
         frame.abs_diff(self.border)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use std::collections::BTreeMap;
+
+    use glam::DVec3;
+
+    use super::*;
+    use crate::clip::builtin::generate;
+    use crate::physics::body_model::{BodySettings, body_model};
+    use crate::physics::posed::PosedClip;
+    use crate::physics::stages::{StageSettings, stages};
+
+    /// Frames of a walk that are taken for a flight.
+    const AIR: (usize, usize) = (20, 24);
+
+    /// Turns of the borders if the second is turned by `turn` more than the first.
+    fn turns(turn: DQuat) -> [DQuat; 2] {
+        let clip = generate("walk", &BTreeMap::new()).expect("a built-in clip");
+        let body = body_model(&clip.skeleton, &BodySettings::default()).expect("a whole body");
+        let stages = stages(&clip, &body, &PosedClip::of(&clip), &StageSettings::default());
+        let block = Block::of(AIR, clip.frame_count());
+        Neighbours::of(&clip, &stages, &[AIR], 0.5).border_turns(0, &clip, &body, (&block, turn))
+    }
+
+    #[test]
+    fn a_turn_fades_out_after_the_landing_where_legs_reach() {
+        let turn = exp(DVec3::Y * 0.001);
+        assert_eq!(turns(turn), [DQuat::IDENTITY, turn]);
+    }
+
+    #[test]
+    fn a_turn_beyond_the_reach_of_legs_is_shared_by_both_sides() {
+        let turn = exp(DVec3::new(0.5, 0.0, 0.0));
+        let [before, after] = turns(turn);
+        assert!(log(before * after).length() < 1e-12, "{before} {after}");
+        assert!(log(after * before.inverse() * turn.inverse()).length() < 1e-12);
+    }
+
+    #[test]
+    fn zones_of_flights_near_each_other_meet_half_way() {
+        let clip = generate("walk", &BTreeMap::new()).expect("a built-in clip");
+        let body = body_model(&clip.skeleton, &BodySettings::default()).expect("a whole body");
+        let stages = stages(&clip, &body, &PosedClip::of(&clip), &StageSettings::default());
+        let runs = [(5, 9), (20, 24)];
+        let zones = Neighbours::of(&clip, &stages, &runs, 10.0).zones;
+        let frames: Vec<Vec<usize>> = [zones[0][1], zones[1][0]].map(|zone| zone.frames().collect()).to_vec();
+        assert_eq!(frames, [vec![11, 12, 13], vec![16, 17, 18]]);
+    }
+}
