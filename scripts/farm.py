@@ -2,7 +2,7 @@
 """Runs a scene in shards on a Dask cluster and merges them: farm.py SCENE -o FOLDER [--shards N] [--scheduler ADDRESS].
 
 Without an address it starts Dask's local cluster: one worker a core. Workers need the program and the scene (with its
-clips) at the same paths, and the folder of the result. Other farms do the same three things: see docs/crowds.md.
+clips) at the same paths, and the folder of the result. Other farms do the same three things: see docs/many_characters.md.
 """
 
 import argparse

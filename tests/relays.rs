@@ -123,6 +123,33 @@ fn every_curve_gives_a_sound_scene_without_warnings() {
 }
 
 #[test]
+fn there_is_a_box_for_every_ten_who_are_asked_for() {
+    let home = Home::with("");
+    for (characters, boxes) in [("2", "1 boxes"), ("9", "1 boxes"), ("78", "7 boxes"), ("1000", "100 boxes")] {
+        let scene = home.path("relay.toml");
+        let output = cotillion(&["relay", "-n", characters, "--along", "line", "-o", text(&scene)]);
+        let told = String::from_utf8_lossy(&output.stdout).into_owned();
+        assert!(output.status.success() && told.contains(boxes), "{characters}: {told} {}", stderr(&output));
+    }
+}
+
+#[cfg(unix)]
+#[test]
+fn a_link_stays_and_what_is_no_file_is_not_replaced() {
+    let home = Home::with("");
+    let [link, target, folder] = ["link.toml", "target.toml", "folder.toml"].map(|name| home.path(name));
+    fs::write(&target, "").expect("room");
+    fs::create_dir(&folder).expect("room");
+    std::os::unix::fs::symlink(&target, &link).expect("room");
+    let output = cotillion(&["relay", "-n", "4", "-o", text(&link)]);
+    assert!(output.status.success(), "{}", stderr(&output));
+    assert!(fs::symlink_metadata(&link).expect("a link").is_symlink());
+    assert!(fs::read_to_string(&target).expect("a scene").contains("title = "));
+    let output = cotillion(&["relay", "-n", "4", "-o", text(&folder)]);
+    assert!(!output.status.success() && stderr(&output).contains("is no file"), "{}", stderr(&output));
+}
+
+#[test]
 fn what_does_not_fit_says_what_would_and_writes_nothing() {
     let home = Home::with("");
     fs::write(home.path("short.csv"), "0,0\n10,0\n").expect("room");
@@ -133,7 +160,7 @@ fn what_does_not_fit_says_what_would_and_writes_nothing() {
         ["short.csv", "bad.csv", "bad.svg", "two.svg", "odd.png"].map(|name| home.path(name));
     let cases: [(&[&str], &str); 12] = [
         (&["-n", "1"], "2 to 100000 characters"),
-        (&["-n", "12", "--boxes", "9"], "9 boxes are too many for 6 carriers: at most 2"),
+        (&["-n", "12", "--boxes", "9"], "6 carriers hand on at least one box and at most 2"),
         (&["-n", "12", "--disturbers", "7"], "7 disturbers leave 5 carriers"),
         (&["-n", "12", "--spacing", "1"], "outside 3 to 60 m"),
         (&["-n", "12", "--heights", "tall"], "no range of heights"),

@@ -91,10 +91,25 @@ fn merged_shards_have_the_bytes_of_one_run() {
             assert!(*bytes == merged[name], "{name} differs");
         }
     }
-    let missing = cotillion(&["merge", "-o", "again", "first", "third"], home.path());
-    let told = String::from_utf8_lossy(&missing.stderr).into_owned();
-    assert!(!missing.status.success() && told.contains("these are missing: 2"), "{told}");
-    assert!(!home.path().join("again").exists());
+    for folder in folders {
+        fs::create_dir_all(home.path().join("all")).expect("a folder");
+        fs::rename(home.path().join(folder), home.path().join("all").join(folder)).expect("a name");
+    }
+    run(&["merge", "all", "-o", "once_more"]);
+    assert_eq!(merged, files(&home.path().join("once_more")));
+    let refused = |folders: &[&str], what: &str| {
+        let output = cotillion(&[&["merge", "-o", "again"], folders].concat(), home.path());
+        let told = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert!(!output.status.success() && told.contains(what), "{what}: {told}");
+        assert!(!home.path().join("again").exists());
+    };
+    refused(&["all/first", "all/third"], "these are missing: 2");
+    fs::write(home.path().join("all/second/scene-2.glb"), "").expect("a file");
+    refused(&["all"], "scene-2.glb has 0 bytes in place of");
+    fs::remove_file(home.path().join("all/second/scene-2.glb")).expect("a file");
+    refused(&["all"], "second/shard-2-of-3.json: error: scene-2.glb cannot be read");
+    run(&["run", "crowd.toml", "--quiet", "--bvh-files", "--shard", "2/3", "-o", "all/second"]);
+    refused(&["all"], "what was asked for");
 }
 
 /// A part holds all whom its members reach; who is drawn, written and told of does not depend on parts.

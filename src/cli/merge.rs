@@ -4,40 +4,40 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use cotillion::export::files::{OutputFile, Staging};
-use cotillion::export::shards::merged;
+use cotillion::export::shards::{merged, shard_files};
 use serde_json::Value;
 
 use super::output::{Output, PlainError};
 use super::{Failure, MergeArgs, interrupt};
 
-/// A report of a shard: where it lies, and what it says.
-type Found = (PathBuf, Value);
+/// Reports of shards: where each lies, and what it says.
+type Found = (Vec<PathBuf>, Vec<(String, Value)>);
 
 pub(crate) fn merge(args: &MergeArgs) -> Result<(), Failure> {
     let output = Output::new(args.manner);
-    let shards = found(args).map_err(|errors| {
+    let refused = |errors: Vec<PlainError>| {
         output.errors(&errors);
         Failure::BadInput
-    })?;
-    let named: Vec<(String, Value)> =
-        shards.iter().map(|(path, value)| (path.display().to_string(), value.clone())).collect();
-    let report = merged(&named).map_err(|error| {
-        let help = "name the folders of all shards of one run, each once";
+    };
+    let (paths, reports) = found(args).map_err(refused)?;
+    let report = merged(&reports).map_err(|error| {
+        let help = "name the folders of all shards of one run with the same options, each once";
         output.fail(plain(&args.output, error.to_string(), help))
     })?;
+    let files: Vec<(PathBuf, String)> = paths
+        .iter()
+        .zip(reports)
+        .flat_map(|(path, (_, value))| files(path, &value))
+        .collect::<Result<_, _>>()
+        .map_err(|error| output.fail(error))?;
     let staging =
         Staging::begin(&args.output).map_err(|error| output.unwritable(&error.path, &error.source))?;
     interrupt::watch(&staging);
     let bar = output.progress_of("files");
-    bar.set_length(shards.iter().map(|(_, value)| files(value).len() as u64).sum());
-    for (path, value) in &shards {
-        let folder = path.parent().unwrap_or(Path::new("."));
-        for name in files(value) {
-            staging
-                .copy(&folder.join(&name), &name)
-                .map_err(|error| output.unwritable(&error.path, &error.source))?;
-            bar.inc(1);
-        }
+    bar.set_length(files.len() as u64);
+    for (path, name) in &files {
+        staging.copy(path, name).map_err(|error| output.unwritable(&error.path, &error.source))?;
+        bar.inc(1);
     }
     bar.finish_and_clear();
     let text = format!("{}\n", serde_json::to_string_pretty(&report).unwrap_or_default());
@@ -45,16 +45,27 @@ pub(crate) fn merge(args: &MergeArgs) -> Result<(), Failure> {
     let written = staging.add(&last).and_then(|()| staging.commit());
     written.map_err(|error| output.unwritable(&error.path, &error.source))?;
     let count = report["files"].as_array().map_or(0, Vec::len) + 1;
-    output.say(&format!("{} shards, {count} files in {}\n", shards.len(), args.output.display()));
+    output.say(&format!("{} shards, {count} files in {}\n", paths.len(), args.output.display()));
     output.print_json(&report);
     Ok(())
 }
 
-/// Names of the files of a shard; none that lead out of its folder.
-fn files(shard: &Value) -> Vec<String> {
-    let names = shard["report"]["files"].as_array().into_iter().flatten().filter_map(Value::as_str);
-    let is_plain = |name: &&str| Path::new(name).file_name().is_some_and(|last| last == *name);
-    names.filter(is_plain).map(str::to_owned).collect()
+/// The files of the shard whose report is at `path`, as long as they are there as it says; none that lead out of its folder.
+fn files(path: &Path, shard: &Value) -> Vec<Result<(PathBuf, String), PlainError>> {
+    let folder = path.parent().unwrap_or(Path::new("."));
+    let is_plain = |name: &str| Path::new(name).file_name().is_some_and(|last| last == name);
+    let sound = |(name, bytes): (String, u64)| {
+        let file = folder.join(&name);
+        let fault = match fs::metadata(&file) {
+            Err(error) => format!("{name} cannot be read: {error}"),
+            Ok(facts) if facts.len() != bytes => {
+                format!("{name} has {} bytes in place of {bytes}", facts.len())
+            }
+            Ok(_) => return Ok((file, name)),
+        };
+        Err(plain(path, fault, "make this shard again"))
+    };
+    shard_files(shard).into_iter().filter(|(name, _)| is_plain(name)).map(sound).collect()
 }
 
 fn plain(path: &Path, message: String, help: &str) -> PlainError {
@@ -63,8 +74,8 @@ fn plain(path: &Path, message: String, help: &str) -> PlainError {
 }
 
 /// All reports of shards in the folders, or what is wrong with them.
-fn found(args: &MergeArgs) -> Result<Vec<Found>, Vec<PlainError>> {
-    let (mut shards, mut errors) = (Vec::new(), Vec::new());
+fn found(args: &MergeArgs) -> Result<Found, Vec<PlainError>> {
+    let (mut places, mut shards, mut errors) = (Vec::new(), Vec::new(), Vec::new());
     for folder in &args.shards {
         match reports_in(folder) {
             Ok(paths) if paths.is_empty() => {
@@ -77,7 +88,10 @@ fn found(args: &MergeArgs) -> Result<Vec<Found>, Vec<PlainError>> {
             Ok(paths) => {
                 for path in paths {
                     match read(&path) {
-                        Ok(value) => shards.push((path, value)),
+                        Ok(value) => {
+                            shards.push((path.display().to_string(), value));
+                            places.push(path);
+                        }
                         Err(message) => errors.push(plain(&path, message, "make the shard again")),
                     }
                 }
@@ -87,10 +101,24 @@ fn found(args: &MergeArgs) -> Result<Vec<Found>, Vec<PlainError>> {
             }
         }
     }
-    if errors.is_empty() { Ok(shards) } else { Err(errors) }
+    if errors.is_empty() { Ok((places, shards)) } else { Err(errors) }
 }
 
+/// Reports in a folder; where there are none, in the folders in it.
 fn reports_in(folder: &Path) -> std::io::Result<Vec<PathBuf>> {
+    let mut paths = reports_directly_in(folder)?;
+    if paths.is_empty() {
+        let inner: Vec<PathBuf> =
+            fs::read_dir(folder)?.flatten().map(|entry| entry.path()).filter(|path| path.is_dir()).collect();
+        for folder in inner {
+            paths.extend(reports_directly_in(&folder)?);
+        }
+    }
+    paths.sort();
+    Ok(paths)
+}
+
+fn reports_directly_in(folder: &Path) -> std::io::Result<Vec<PathBuf>> {
     let mut paths = Vec::new();
     for entry in fs::read_dir(folder)? {
         let path = entry?.path();
@@ -99,7 +127,6 @@ fn reports_in(folder: &Path) -> std::io::Result<Vec<PathBuf>> {
             paths.push(path);
         }
     }
-    paths.sort();
     Ok(paths)
 }
 

@@ -11,7 +11,7 @@ use cotillion::export::parts::{MANY, Part, parts};
 use cotillion::export::picture::to_png;
 use cotillion::export::report::{PartReport, Report, Setting, Timing, is_told, part_report, whole_report};
 use cotillion::export::scene::{animation, names, part_files, pictures};
-use cotillion::export::shards::{Shard, shard_report};
+use cotillion::export::shards::{Shard, ShardFiles, shard_report};
 use cotillion::export::strips::strip_files;
 use cotillion::index::CharacterId;
 use cotillion::object_motion::object_motions;
@@ -106,7 +106,7 @@ pub(crate) fn of_shard(
     shard: Shard,
     solved: &Outcome,
     told: &Report,
-    own: &BTreeSet<CharacterId>,
+    (own, files): (&BTreeSet<CharacterId>, ShardFiles),
 ) -> serde_json::Value {
     let scene = &solved.scene;
     let mut report = serde_json::to_value(told).unwrap_or_default();
@@ -114,7 +114,7 @@ pub(crate) fn of_shard(
         let untold = constraints.iter_mut().zip(is_told(scene, own)).filter(|(_, told)| !told);
         untold.for_each(|(constraint, _)| *constraint = serde_json::Value::Null);
     }
-    shard_report(shard, own, scene.characters.len(), report)
+    shard_report(shard, own, scene.characters.len(), files, report)
 }
 
 /// Every SVG among `files` as PNG.

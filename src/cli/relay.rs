@@ -25,9 +25,11 @@ pub(crate) struct RelayArgs {
     /// table.
     #[arg(long, value_name = "METRES", allow_negative_numbers = true)]
     spacing: Option<f64>,
-    /// Boxes under way at the same time, each handed on to where the next one stood.
-    #[arg(long, value_name = "N", default_value_t = 1)]
-    boxes: usize,
+    /// Boxes under way at the same time, each handed on to where the next one stood; left out: one for every ten characters.
+    ///
+    /// A box is some nine seconds with each carrier: fewer boxes make longer scenes.
+    #[arg(long, value_name = "N")]
+    boxes: Option<usize>,
     /// How many of the characters get in the way; left out: two of every four.
     #[arg(long, value_name = "N")]
     disturbers: Option<usize>,
@@ -121,10 +123,10 @@ fn asked(args: &RelayArgs) -> Result<Relay, PlainError> {
         args.disturbance.iter().copied().map(Disturbance::from).collect();
     disturbances.sort_unstable();
     disturbances.dedup();
-    Ok(Relay {
+    let relay = Relay {
         characters: args.characters,
         disturbers: args.disturbers,
-        boxes: args.boxes,
+        boxes: args.boxes.unwrap_or(1),
         spacing: args.spacing,
         heights: heights(&args.heights)?,
         phase: args.phase,
@@ -133,8 +135,15 @@ fn asked(args: &RelayArgs) -> Result<Relay, PlainError> {
         drag: args.drag,
         seed: args.seed,
         along: along(&args.along)?,
-    })
+    };
+    // Where there are too few carriers for any box, that is told later.
+    let most = relay::counts(&relay).map_or(1, |(carriers, _)| relay::most_boxes(carriers));
+    let boxes = args.boxes.unwrap_or((relay.characters / CHARACTERS_PER_BOX).clamp(1, most));
+    Ok(Relay { boxes, ..relay })
 }
+
+/// Of whom a box is for all, where nobody says how many there are.
+const CHARACTERS_PER_BOX: usize = 10;
 
 fn heights(text: &str) -> Result<(f64, f64), PlainError> {
     let pair = text

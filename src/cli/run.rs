@@ -8,8 +8,10 @@ use cotillion::discrete::drags::perform;
 use cotillion::discrete::outcome::Outcome;
 use cotillion::edit::error::Named;
 use cotillion::edit::{Backend, Edit, EditError, Editor};
+use cotillion::export::bvh::BvhOptions;
 use cotillion::export::files::{OutputFile, Staging, WriteError};
 use cotillion::export::report::Timing;
+use cotillion::export::shards::ShardFiles;
 use cotillion::graph::scene::{graph_settings, scene_clips};
 use cotillion::graph_cache::cached_graph;
 use cotillion::scene::{ClipFolders, Diagnostic, Loaded, Scene, Severity, load};
@@ -62,12 +64,28 @@ pub(crate) fn run(args: &RunArgs) -> Result<(), Failure> {
 /// Adds the report to the files of a result and gives all their names.
 fn write(order: &Order<'_>, produced: &Produced, staging: Staging) -> Result<(), WriteError> {
     let (name, value) = match order.args.shard {
-        Some(shard) => (shard.report_name(), of_shard(shard, order.solved, &produced.report, &produced.own)),
+        Some(shard) => {
+            let files = files_of_shard(order, &produced.report.files, &staging)?;
+            let told = of_shard(shard, order.solved, &produced.report, (&produced.own, files));
+            (shard.report_name(), told)
+        }
         None => ("report.json".to_owned(), serde_json::to_value(&produced.report).unwrap_or_default()),
     };
     let text = format!("{}\n", serde_json::to_string_pretty(&value).unwrap_or_default());
     staging.add(&OutputFile { name, bytes: text.into_bytes() })?;
     staging.commit()
+}
+
+/// What shapes the files of a shard, and how large they are.
+fn files_of_shard(order: &Order<'_>, names: &[String], staging: &Staging) -> Result<ShardFiles, WriteError> {
+    let RunArgs { png, png_width, animate, strip, bvh_files, .. } = order.args;
+    let asked = [(*png, "--png"), (*animate, "--animate"), (*strip, "--strip"), (*bvh_files, "--bvh-files")];
+    let mut options: Vec<String> =
+        asked.iter().filter(|(is_asked, _)| *is_asked).map(|(_, name)| (*name).to_owned()).collect();
+    options.extend(png.then(|| format!("--png-width {png_width}")));
+    options.extend((*order.bvh != BvhOptions::default()).then(|| format!("{:?}", order.bvh)));
+    let bytes: Result<Vec<u64>, WriteError> = names.iter().map(|name| staging.size(name)).collect();
+    Ok(ShardFiles { options: options.join(" "), bytes: bytes? })
 }
 
 /// Tells why there are no files.
@@ -80,7 +98,7 @@ fn unproduced(args: &RunArgs, output: &Output, error: Unproduced) -> Failure {
             plain(
                 args.scene.display().to_string(),
                 error.to_string(),
-                "give times nearer to 0 and to each other",
+                "give times nearer to 0 and to each other; a relay is shorter with more boxes",
             );
             Failure::Unsatisfiable
         }

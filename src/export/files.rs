@@ -117,6 +117,15 @@ impl Staging {
         self.keep(name, copied)
     }
 
+    /// Bytes of a file of the result that has been added.
+    ///
+    /// # Errors
+    /// [`WriteError`] where it was not, or is no longer there.
+    pub fn size(&self, name: &str) -> Result<u64, WriteError> {
+        let aside = self.aside(name)?;
+        fs::metadata(&aside).map(|facts| facts.len()).map_err(failed(&aside))
+    }
+
     /// Where a file of this name is put until it gets its name.
     fn aside(&self, name: &str) -> Result<PathBuf, WriteError> {
         let path = self.folder.join(name);
@@ -201,6 +210,13 @@ fn given_up() -> io::Error {
 /// # Errors
 /// [`WriteError`]; then whatever had the name before is unharmed.
 pub fn write_one(path: &Path, bytes: &[u8]) -> Result<(), WriteError> {
+    // What a link points to is written, the link stays.
+    let target = fs::canonicalize(path).unwrap_or_else(|_| path.to_owned());
+    if target.exists() && !target.is_file() {
+        let error = io::Error::new(io::ErrorKind::InvalidInput, "it is there, and is no file");
+        return Err(failed(path)(error));
+    }
+    let path = target.as_path();
     let folder = match path.parent() {
         Some(parent) if !parent.as_os_str().is_empty() => parent,
         _ => Path::new("."),

@@ -4,6 +4,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use serde_json::{Map, Value};
+use sha2::{Digest, Sha256};
 
 use crate::export::parts::Part;
 use crate::index::CharacterId;
@@ -35,14 +36,61 @@ impl Shard {
     }
 }
 
-/// Keys of a shard's report: which one, of how many, whose characters it tells of, of how many, and a report of these.
-const KEYS: [&str; 5] = ["shard", "of", "characters", "characters_in_all", "report"];
+/// Keys of a shard's report: which one, of how many, whose characters it tells of, of how many, what shapes its files, how many bytes
+/// each of them has, a digest of what all shards have in common, and a report of its characters.
+const KEYS: [&str; 8] =
+    ["shard", "of", "characters", "characters_in_all", "options", "bytes", "common", "report"];
+
+/// Keys of a report that are the same in all shards and grow with the scene: only the first shard has them, the others a digest.
+const COMMON: [&str; 3] = ["objects", "moments", "notes"];
+
+/// The files of a shard.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct ShardFiles {
+    /// What was asked for that shapes them.
+    pub options: String,
+    /// Bytes of each, in the order of the report.
+    pub bytes: Vec<u64>,
+}
 
 /// The report of a shard. `report`: of a scene, with its own characters alone, and `null` for constraints of which it knows nothing.
-pub fn shard_report(shard: Shard, own: &BTreeSet<CharacterId>, in_all: usize, report: Value) -> Value {
+pub fn shard_report(
+    shard: Shard,
+    own: &BTreeSet<CharacterId>,
+    in_all: usize,
+    files: ShardFiles,
+    mut report: Value,
+) -> Value {
     let characters: Vec<u64> = own.iter().map(|who| who.0.into()).collect();
-    let values: [Value; 5] = [shard.number.into(), shard.of.into(), characters.into(), in_all.into(), report];
+    let mut digest = Sha256::new();
+    if let Some(report) = report.as_object_mut() {
+        for key in COMMON {
+            digest.update(report.get(key).map(ToString::to_string).unwrap_or_default());
+            if shard.number > 1 {
+                report.remove(key);
+            }
+        }
+    }
+    let common = digest.finalize().iter().map(|byte| format!("{byte:02x}")).collect::<String>();
+    let values: [Value; 8] = [
+        shard.number.into(),
+        shard.of.into(),
+        characters.into(),
+        in_all.into(),
+        files.options.into(),
+        files.bytes.into(),
+        common.into(),
+        report,
+    ];
     KEYS.into_iter().map(str::to_owned).zip(values).collect::<Map<String, Value>>().into()
+}
+
+/// Names of the files of a shard's report, with the bytes that each has.
+pub fn shard_files(shard: &Value) -> Vec<(String, u64)> {
+    let list = |value: &'_ Value| value.as_array().cloned().unwrap_or_default();
+    let (names, bytes) = (list(&shard["report"]["files"]), list(&shard["bytes"]));
+    let file = |(name, bytes): (&Value, &Value)| Some((name.as_str()?.to_owned(), bytes.as_u64()?));
+    names.iter().zip(&bytes).filter_map(file).collect()
 }
 
 /// Why reports of shards cannot be merged.
@@ -86,6 +134,8 @@ struct Read<'a> {
     of: usize,
     characters: Vec<usize>,
     in_all: usize,
+    options: &'a str,
+    common: &'a str,
     report: &'a Map<String, Value>,
 }
 
@@ -103,7 +153,7 @@ pub fn merged(reports: &[(String, Value)]) -> Result<Value, MergeError> {
     let first = shards.first().ok_or(MergeError::Missing { missing: vec![1], of: 1 })?;
     let mut whole = first.report.clone();
     for shard in &shards[1..] {
-        if let Some(key) = differs(first.report, shard.report) {
+        if let Some(key) = differs(first, shard) {
             return Err(different(first, shard, key));
         }
         add(&mut whole, shard.report);
@@ -138,14 +188,20 @@ fn everybody(shards: &[Read], in_all: usize) -> Result<Vec<Value>, MergeError> {
 
 fn read<'a>(name: &'a str, value: &'a Value) -> Option<Read<'a>> {
     let number = |value: &Value| usize::try_from(value.as_u64()?).ok();
-    let [shard, of, characters, in_all, report] = KEYS.map(|key| value.get(key));
+    let [shard, of, characters, in_all, options, bytes, common, report] = KEYS.map(|key| value.get(key));
+    let report = report?.as_object()?;
+    if bytes?.as_array()?.len() != items(report, "files").count() {
+        return None;
+    }
     Some(Read {
         name,
         number: number(shard?)?,
         of: number(of?)?,
         characters: characters?.as_array()?.iter().map(number).collect::<Option<_>>()?,
         in_all: number(in_all?)?,
-        report: report?.as_object()?,
+        options: options?.as_str()?,
+        common: common?.as_str()?,
+        report,
     })
 }
 
@@ -168,8 +224,15 @@ fn complete(shards: &[Read]) -> Result<(), MergeError> {
 const OWN: [&str; 4] = ["characters", "constraints", "files", "timing_ms"];
 
 /// What two reports of one run would have in common and have not.
-fn differs(first: &Map<String, Value>, other: &Map<String, Value>) -> Option<String> {
-    let keys = first.keys().filter(|key| !OWN.contains(&key.as_str()));
+fn differs(first: &Read, other: &Read) -> Option<String> {
+    if first.options != other.options {
+        return Some(format!("what was asked for ({} or {})", first.options, other.options));
+    }
+    if first.common != other.common {
+        return Some(COMMON.join(", "));
+    }
+    let (first, other) = (first.report, other.report);
+    let keys = first.keys().filter(|key| !OWN.contains(&key.as_str()) && !COMMON.contains(&key.as_str()));
     let different = keys.into_iter().find(|key| first.get(*key) != other.get(*key)).cloned();
     let constraints = |report| items(report, "constraints").count();
     different.or_else(|| (constraints(first) != constraints(other)).then(|| "constraints".to_owned()))
@@ -261,7 +324,8 @@ mod tests {
             "timing_ms": {"export": 1.5},
         });
         let own = characters.iter().map(|who| CharacterId(*who)).collect();
-        (format!("shard {number}"), shard_report(Shard { number, of }, &own, 3, report))
+        let files = ShardFiles { options: String::new(), bytes: vec![1] };
+        (format!("shard {number}"), shard_report(Shard { number, of }, &own, 3, files, report))
     }
 
     #[test]

@@ -7,7 +7,7 @@ use super::acts::{Act, PALMS_APART, Place, REACH, STATURE, WIDTH, act, carry, ne
 use super::chance::{Choice, below, signed};
 use super::curve::{Curve, curve};
 use super::disturbers::{Disturber, disturbers};
-use super::{Disturbance, FARTHEST_DRAG, FEWEST_PER_BOX, HEIGHTS, LONGEST_PHASE, Relay, RelayError, counts};
+use super::{Disturbance, FARTHEST_DRAG, HEIGHTS, LONGEST_PHASE, Relay, RelayError, counts, most_boxes};
 use crate::geometry::{c64, cis};
 
 /// What a carrier does.
@@ -129,7 +129,7 @@ pub fn hundredths(value: f64) -> f64 {
 }
 
 fn check(relay: &Relay, carriers: usize, disturbers: usize) -> Result<(), RelayError> {
-    let most = (carriers / FEWEST_PER_BOX).max(1);
+    let most = most_boxes(carriers);
     if relay.boxes == 0 || relay.boxes > most {
         return Err(RelayError::Boxes { boxes: relay.boxes, carriers, most });
     }

@@ -129,7 +129,7 @@ pub enum RelayError {
     },
     /// More boxes than carriers can start.
     #[error(
-        "{boxes} boxes are too many for {carriers} carriers: at most {most}, {FEWEST_PER_BOX} carriers for each but a single one"
+        "{carriers} carriers hand on at least one box and at most {most}, {FEWEST_PER_BOX} carriers for each but a single one, not {boxes}"
     )]
     Boxes {
         /// Asked for.
@@ -202,6 +202,7 @@ impl RelayError {
         match self {
             Self::Characters(_) => "ask for another number of --characters",
             Self::Disturbers { .. } => "ask for fewer --disturbers, or for more --characters",
+            Self::Boxes { boxes: 0, .. } => "leave --boxes out, or ask for one at least",
             Self::Boxes { .. } => "ask for fewer --boxes, or for fewer --disturbers",
             Self::Spacing(_) => "ask for another --spacing",
             Self::TooShort { .. } => {
@@ -244,6 +245,12 @@ pub fn counts(relay: &Relay) -> Result<(usize, usize), RelayError> {
         return Err(RelayError::Disturbers { disturbers, carriers });
     }
     Ok((carriers, disturbers))
+}
+
+/// Boxes that as many carriers can hand on at the same time.
+pub const fn most_boxes(carriers: usize) -> usize {
+    let most = carriers / FEWEST_PER_BOX;
+    if most == 0 { 1 } else { most }
 }
 
 #[cfg(test)]
