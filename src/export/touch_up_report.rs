@@ -118,6 +118,8 @@ pub struct GroundPart {
     pub largest_change: Option<TurnReport>,
     /// Largest shift of the root.
     pub root_shift: f64,
+    /// Largest relative change of a bone's length.
+    pub stretch: f64,
 }
 
 /// How planted feet and hands stay where they were.
@@ -145,6 +147,7 @@ impl GroundPart {
             },
             largest_change: report.largest_change.as_ref().map(|change| TurnReport::of(change, clip)),
             root_shift: report.root_shift,
+            stretch: report.stretch,
         }
     }
 }

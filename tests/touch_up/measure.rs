@@ -13,6 +13,8 @@ use crate::tell;
 
 /// Planted points stay within this, metres.
 const PLANTED: f64 = 1e-4;
+/// Legs may stretch by less than this; they do not at all.
+const STRETCH: f64 = 0.005;
 /// Rounding of a mean distance where feet stand as in the input, metres.
 const ROUNDING: f64 = 1e-7;
 
@@ -69,6 +71,9 @@ impl Edited {
         tell(&format!("    {:.1?}", curve(&report)));
         if self.farthest_plant(&clip) > PLANTED || report.plant_error > PLANTED {
             return Err(format!("{name}: a planted point moved by {} m", self.farthest_plant(&clip)).into());
+        }
+        if report.stretch > STRETCH {
+            return Err(format!("{name}: a bone is {} longer or shorter", report.stretch).into());
         }
         if after[1] > before[1] + ROUNDING * 1e3 {
             return Err(format!("{name}: the judge saw {} become {} mm", before[1], after[1]).into());

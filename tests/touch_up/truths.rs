@@ -9,12 +9,19 @@ use crate::performer::{Edited, load};
 use crate::{WALK, tell};
 
 /// Into the speed-up, or into the curve: how far, and how far physics asks.
-const LEANS: [(&str, Direction); 4] = [
+const LEANS: [(&str, Direction); 6] = [
     (WALK, Direction::Inwards),
     ("amc/cmu_16_13_walk_veer_right.amc", Direction::Inwards),
     ("bvh/snu_spiral_walk_normal.bvh", Direction::Inwards),
     ("amc/cmu_127_04_walk_to_run_transition.amc", Direction::Ahead),
+    // Up ramps the centre of mass stays over the feet, as on the level (the first walk, ahead).
+    (WALK, Direction::Ahead),
+    ("bvh/snu_slope_up_10.bvh", Direction::Ahead),
 ];
+
+/// Speeds up; so many moments of that are told of.
+const TRANSITION: &str = "amc/cmu_127_04_walk_to_run_transition.amc";
+const MOMENTS: usize = 3;
 
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Direction {
@@ -38,6 +45,14 @@ pub(crate) fn leans(folder: &Path, _: &str) -> Result<(), Failed> {
             mean(frames.clone().map(|frame| balancing(strides.acceleration(frame).dot(towards(frame)))))
                 .to_degrees();
         tell(&format!("{file}: leans {lean:.1} degrees, balanced at {asked:.1} ({frames:?}, {direction:?})"));
+        if file == TRANSITION {
+            for moment in 1..=MOMENTS {
+                let frame = frames.start + moment * frames.len() / (MOMENTS + 1);
+                let lean = strides.lean(frame, towards(frame)).to_degrees();
+                let asked = balancing(strides.acceleration(frame).dot(towards(frame))).to_degrees();
+                tell(&format!("    frame {frame}: leans {lean:.1} degrees, balanced at {asked:.1}"));
+            }
+        }
         if !(lean.is_finite() && asked.is_finite()) {
             return Err(format!("{file}: {lean}, {asked}").into());
         }

@@ -92,6 +92,8 @@ pub struct GroundReport {
     pub largest_change: Option<JointChange>,
     /// Largest shift of the root, metres.
     pub root_shift: f64,
+    /// Largest relative change of a bone's length, legs among them: nothing here stretches any, so 0.
+    pub stretch: f64,
 }
 
 impl GroundReport {
@@ -106,6 +108,7 @@ impl GroundReport {
             plant_turn: 0.0,
             largest_change: None,
             root_shift: 0.0,
+            stretch: 0.0,
         }
     }
 
@@ -123,7 +126,21 @@ impl GroundReport {
         let shifts = input.root_positions.iter().zip(&result.root_positions);
         self.root_shift = shifts.map(|(from, to)| from.distance(*to)).fold(0.0, f64::max);
         self.largest_change = largest_change(input, result);
+        self.stretch = stretch(input, result);
     }
+}
+
+/// Largest relative change of a bone's length from one clip to another of the same joints and length. Bones are as long as the offsets
+/// of joints from their parents: of the skeleton, or frame by frame where those move.
+fn stretch(from: &Clip, to: &Clip) -> f64 {
+    let rest =
+        from.skeleton.joints.iter().zip(&to.skeleton.joints).map(|(from, to)| (from.offset, to.offset));
+    let moving = from.moving_offsets.iter().zip(&to.moving_offsets);
+    let moving = moving.flat_map(|(from, to)| from.offsets.iter().copied().zip(to.offsets.iter().copied()));
+    let change = |(from, to): (glam::DVec3, glam::DVec3)| {
+        (to.length() - from.length()).abs() / from.length().max(1e-9)
+    };
+    rest.chain(moving).map(change).fold(0.0, f64::max)
 }
 
 /// Turns of all joints from one clip to another of the same skeleton and length, radians: all of frame 0, then of frame 1 …
