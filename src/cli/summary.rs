@@ -4,7 +4,9 @@ use std::path::Path;
 
 use cotillion::export::body_report::{FullBodyReport, ShortfallReport};
 use cotillion::export::parts::MANY;
+use cotillion::export::physics_report::PhysicsReport;
 use cotillion::export::report::{CharacterReport, ConstraintReport, Report, RestEdited};
+use cotillion::export::touch_up_report::JudgedReport;
 
 /// Springs that give by less are not told of, in the unit of what they hold; nor are plants that drift by less, metres.
 const TOLD: f64 = 0.01;
@@ -42,6 +44,7 @@ pub(crate) fn summary(report: &Report, folder: &Path) -> String {
             text += &body_lines(character, body);
         }
     }
+    text.extend(report.characters.iter().filter_map(touched));
     text.extend(report.constraints.iter().flat_map(missed).map(|(_, line)| line));
     for note in &report.notes {
         text += &format!("note: {note}\n");
@@ -129,6 +132,34 @@ fn changed(character: &CharacterReport) -> Option<String> {
         changes.stretch.length,
         changes.stretch.time,
     ))
+}
+
+/// What the touch-up did to somebody, if it was to do something.
+fn touched(character: &CharacterReport) -> Option<String> {
+    let name = &character.name;
+    let told = match character.physics.as_ref()? {
+        PhysicsReport::NotTouched { not_touched } => {
+            return Some(format!("{name} is not touched up: {not_touched}\n"));
+        }
+        PhysicsReport::Touched(told) => told,
+    };
+    let mean = |judged: &JudgedReport| judged.d.map_or("–".to_owned(), |d| format!("{:.1}", d.mean * 1e3));
+    let ground = &told.ground;
+    let source = ground.source.as_ref().map_or("–".to_owned(), mean);
+    let mut text = format!(
+        "{name:<12} zero moment point to polygon {} mm → {} mm, before the edit {source} mm; {} of {} steps kept",
+        mean(&ground.before),
+        mean(&told.result),
+        ground.kept,
+        ground.steps.len(),
+    );
+    if let Some(change) = &told.largest_change {
+        text +=
+            &format!("; {} turns most, by {:.1}° at {:.2} s", change.joint, change.degrees, change.seconds);
+    }
+    text += "\n";
+    text.extend(told.doubts.iter().map(|doubt| format!("{name}: doubt: {doubt}\n")));
+    Some(text)
 }
 
 /// What of a constraint does not hold on the result: by how much, a line each.
