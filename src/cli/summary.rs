@@ -4,7 +4,7 @@ use std::path::Path;
 
 use cotillion::export::body_report::{FullBodyReport, ShortfallReport};
 use cotillion::export::parts::MANY;
-use cotillion::export::physics_report::PhysicsReport;
+use cotillion::export::physics_report::{PhysicsReport, TouchedReport};
 use cotillion::export::report::{CharacterReport, ConstraintReport, Report, RestEdited};
 use cotillion::export::touch_up_report::JudgedReport;
 
@@ -70,6 +70,7 @@ fn of_many(report: &Report) -> String {
         let changes: usize = changed().map(|own| own.discrete.len()).sum();
         text += &format!("{} characters have {changes} discrete changes\n", changed().count());
     }
+    text += &touched_many(all);
     let bodies = all.iter().filter_map(|own| Some((own, own.full_body.as_ref()?)));
     let short = bodies.flat_map(|(own, body)| {
         let lines = body_lines(own, body);
@@ -80,6 +81,23 @@ fn of_many(report: &Report) -> String {
     text += &worst(report.constraints.iter().flat_map(missed).collect(), "lines about constraints");
     let notes = report.notes.iter().map(|note| (0.0, format!("note: {note}\n")));
     text + &worst(notes.collect(), "notes")
+}
+
+/// How many were touched up, and what became of their mean distances.
+fn touched_many(all: &[CharacterReport]) -> String {
+    let touched: Vec<&TouchedReport> = all.iter().filter_map(CharacterReport::touched).collect();
+    let pairs = touched.iter().filter_map(|own| Some([own.ground.before.d?.mean, own.result.d?.mean]));
+    let pairs: Vec<[f64; 2]> = pairs.collect();
+    if pairs.is_empty() {
+        return String::new();
+    }
+    let mean = |at: usize| 1e3 * pairs.iter().map(|pair| pair[at]).sum::<f64>() / pairs.len() as f64;
+    format!(
+        "{} characters touched up: zero moment points to polygons {:.1} mm → {:.1} mm in the mean\n",
+        touched.len(),
+        mean(0),
+        mean(1)
+    )
 }
 
 /// Whose path changes its length most, and whose time steps do.

@@ -13,7 +13,7 @@ use crate::edit::energy::{Energy, length};
 use crate::embody::Embodied;
 use crate::export::body_report::{FullBodyReport, full_body_report};
 use crate::export::changes::{ChangesReport, DiscreteReport};
-use crate::export::physics_report::PhysicsReport;
+use crate::export::physics_report::{PhysicsReport, TouchedReport};
 use crate::geometry::{c64, wrap};
 use crate::index::{CharacterId, floor_index};
 use crate::metrics::shown_slides;
@@ -90,6 +90,16 @@ pub struct CharacterReport {
     pub changes: Option<ChangesReport>,
     /// Discrete edits, in order.
     pub discrete: Vec<DiscreteReport>,
+}
+
+impl CharacterReport {
+    /// What the touch-up did, where it did something.
+    pub fn touched(&self) -> Option<&TouchedReport> {
+        match self.physics.as_ref()? {
+            PhysicsReport::Touched(told) => Some(told),
+            PhysicsReport::NotTouched { .. } => None,
+        }
+    }
 }
 
 /// A quantity before and after the edit.
