@@ -6,6 +6,7 @@
 //! meet, are corrected in turn, four times: hands meet in the middle, and where one falls short the other comes to it.
 
 mod again;
+mod hips;
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;

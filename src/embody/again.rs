@@ -4,10 +4,11 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use rayon::prelude::*;
 
+use super::hips::hips;
 use super::{Body, Embodied, SoFar, effectors, in_turn, known_by, plant_mode, rounds, sample_times, show};
 use crate::clip::Clip;
 use crate::edit::Moved;
-use crate::full_body::{BodyInput, BodyReport, PlantedPoint, Seams, refine};
+use crate::full_body::{BodyInput, BodyReport, Effector, PlantedPoint, Seams, refine};
 use crate::index::CharacterId;
 use crate::object_motion::{Performance, skeleton_of};
 use crate::reach::Stage;
@@ -15,7 +16,7 @@ use crate::resample::{Resampled, shown_contacts_at};
 use crate::skeleton::Pose;
 
 /// Corrects those anew whose poses were `changed` (one a sample of their bodies), and those who reach them; all others stay as they
-/// are, to the bit. Feet stand as in the changed poses. Where the full body is off, nobody is corrected.
+/// are, to the bit. Feet stand as in the changed poses, and hips are back where hard constraints hold them. Where the full body is off, nobody is corrected.
 /// Cost: that of [`super::embody_some`] for these.
 ///
 /// # Panics
@@ -29,8 +30,10 @@ pub fn embody_again(
     let concerned: BTreeSet<CharacterId> = changed.keys().copied().collect();
     let mut done: BTreeMap<CharacterId, Body> =
         embodied.members.iter().copied().zip(std::mem::take(&mut embodied.bodies)).collect();
+    let mut upright: BTreeMap<CharacterId, Vec<Pose>> = BTreeMap::new();
     for (who, poses) in changed {
-        done.get_mut(&who).expect("only bodies are changed").poses = poses;
+        let body = done.get_mut(&who).expect("only bodies are changed");
+        upright.insert(who, std::mem::replace(&mut body.poses, poses));
     }
     if stage.scene.full_body.enabled {
         let start = done.clone();
@@ -38,7 +41,11 @@ pub fn embody_again(
             let is_concerned = |group: &&Vec<CharacterId>| {
                 group.iter().any(|who| !known_by(stage, *who).is_disjoint(&concerned))
             };
-            let make = |so_far: &SoFar<'_>, who: CharacterId| body(stage, so_far, (who, &start[&who]));
+            let make = |so_far: &SoFar<'_>, who: CharacterId| {
+                let body = &start[&who];
+                let hold = |before: &Vec<Pose>| hips(stage, who, &body.times, (before, &body.poses));
+                corrected(stage, so_far, (who, body), upright.get(&who).map_or(Vec::new(), hold))
+            };
             let turn = |group: &Vec<CharacterId>| in_turn(stage.performance, &done, group, &make);
             let bodies: Vec<(CharacterId, Body)> =
                 round.par_iter().filter(is_concerned).flat_map_iter(turn).collect();
@@ -49,14 +56,20 @@ pub fn embody_again(
     show(&embodied.bodies, resampled);
 }
 
-fn body(stage: &Stage<'_, Moved<'_>>, so_far: &SoFar<'_>, (who, start): (CharacterId, &Body)) -> Body {
+/// `hips`: where they are held.
+fn corrected(
+    stage: &Stage<'_, Moved<'_>>,
+    so_far: &SoFar<'_>,
+    (who, start): (CharacterId, &Body),
+    hips: Vec<Effector>,
+) -> Body {
     let (scene, moved) = (stage.scene, stage.performance);
     let frames: Vec<f64> = start.times.iter().map(|time| moved.frame(who, *time)).collect();
     let input = BodyInput {
         rest: start.poses.clone(),
         moved: start.poses.clone(),
         contacts: shown_contacts_at(&scene.characters[who.as_usize()].track, &frames),
-        effectors: effectors(stage, so_far, who, &start.times),
+        effectors: effectors(stage, so_far, who, &start.times).into_iter().chain(hips).collect(),
         // Joined motion is one by now.
         seams: Seams::default(),
         times: start.times.clone(),
