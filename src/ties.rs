@@ -2,7 +2,7 @@
 
 use std::collections::BTreeSet;
 
-use crate::constraint::{ConstraintKind, Partner, Relation, Strength, When};
+use crate::constraint::{ConstraintKind, Partner, Strength, When};
 use crate::effector::{EffectorTarget, EndEffector, Orientation};
 use crate::index::{CharacterId, ObjectId};
 use crate::object_motion::{AtRest, ObjectMotion, object_motions};
@@ -53,22 +53,14 @@ impl Ties {
     }
 }
 
-/// When a constraint holds somebody's place or facing, and whether it holds the one and the other; never for what is about time.
-pub fn held_by(kind: &ConstraintKind) -> (Vec<&When>, bool, bool) {
+/// When a constraint holds somebody's place or facing; never, where it is about time.
+pub fn held_by(kind: &ConstraintKind) -> Vec<&When> {
     match kind {
-        ConstraintKind::Pin { when, position, facing } => (vec![when], position.is_some(), facing.is_some()),
-        ConstraintKind::Relative { when, partner, offset, facing } => {
-            let theirs = match partner {
-                Partner::Character(when) => Some(when),
-                Partner::Object(_) => None,
-            };
-            let whens = [Some(when), theirs].into_iter().flatten().collect();
-            // An offset counts from where the partner faces.
-            let place = !matches!(offset, Relation::Free);
-            (whens, place, place || !matches!(facing, Relation::Free))
-        }
+        ConstraintKind::Pin { when, .. } => vec![when],
+        ConstraintKind::Relative { when, partner: Partner::Character(theirs), .. } => vec![when, theirs],
+        ConstraintKind::Relative { when, partner: Partner::Object(_), .. } => vec![when],
         ConstraintKind::Time { .. } | ConstraintKind::Duration { .. } | ConstraintKind::Sync { .. } => {
-            (Vec::new(), false, false)
+            Vec::new()
         }
     }
 }
@@ -83,8 +75,7 @@ fn holds(scene: &Scene, nothing: Vec<Vec<usize>>) -> Vec<Vec<usize>> {
         if constraint.strength != Strength::Hard {
             continue;
         }
-        let (whens, ..) = held_by(&constraint.kind);
-        let who: BTreeSet<CharacterId> = whens.into_iter().map(When::character).collect();
+        let who: BTreeSet<CharacterId> = held_by(&constraint.kind).into_iter().map(When::character).collect();
         who.into_iter().for_each(|who| holds[who.as_usize()].push(index));
     }
     holds

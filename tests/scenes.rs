@@ -35,6 +35,8 @@ use libtest_mimic::{Arguments, Failed, Trial};
 const HARD: f64 = 1e-9;
 /// Mean speeds of feet compare to this, m/s: soft constraints are solved to 1e-7 m.
 const SLIDE: f64 = 1e-7;
+/// The same of those who lean, m/s: legs give by a tenth of a millimetre where hips are held.
+const LEANS: f64 = 1e-3;
 /// Bones of hands that hold one thing keep so far apart, metres: a hand is three centimetres thick.
 const HANDS_APART: f64 = 0.05;
 /// So long before and after a hand-over, seconds.
@@ -150,7 +152,8 @@ fn edited(scene: &Scene) -> Result<Vec<(String, Vec<u8>)>, Failed> {
         }
         let RestEdited { rest, edited } = told.foot_slide;
         // What drifts as captured does so faster where time is pressed together.
-        let allowed = rest / told.time_step.min.min(1.0) + SLIDE;
+        let allowed =
+            rest / told.time_step.min.min(1.0) + if scene.physics.is_some() { LEANS } else { SLIDE };
         if edited > allowed {
             return Err(format!("{}'s feet slide {edited} m/s, captured {rest} m/s", told.name).into());
         }

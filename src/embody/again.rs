@@ -4,7 +4,7 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use rayon::prelude::*;
 
-use super::hips::hips;
+use super::hips::{hips, within_legs};
 use super::{Body, Embodied, SoFar, effectors, in_turn, known_by, plant_mode, rounds, sample_times, show};
 use crate::clip::Clip;
 use crate::edit::Moved;
@@ -65,16 +65,25 @@ fn corrected(
 ) -> Body {
     let (scene, moved) = (stage.scene, stage.performance);
     let frames: Vec<f64> = start.times.iter().map(|time| moved.frame(who, *time)).collect();
-    let input = BodyInput {
+    let mut input = BodyInput {
         rest: start.poses.clone(),
         moved: start.poses.clone(),
         contacts: shown_contacts_at(&scene.characters[who.as_usize()].track, &frames),
-        effectors: effectors(stage, so_far, who, &start.times).into_iter().chain(hips).collect(),
+        effectors: effectors(stage, so_far, who, &start.times)
+            .into_iter()
+            .chain(hips.iter().cloned())
+            .collect(),
         // Joined motion is one by now.
         seams: Seams::default(),
         times: start.times.clone(),
     };
-    let refined = refine(skeleton_of(scene, who), &input, plant_mode(scene));
+    let skeleton = skeleton_of(scene, who);
+    let mut refined = refine(skeleton, &input, plant_mode(scene));
+    if let Some(lower) = within_legs(&hips, &refined.poses) {
+        input.effectors.truncate(input.effectors.len() - hips.len());
+        input.effectors.extend(lower);
+        refined = refine(skeleton, &input, plant_mode(scene));
+    }
     Body {
         times: input.times,
         moved: start.moved.clone(),
