@@ -56,6 +56,9 @@ pub fn embody_again(
     show(&embodied.bodies, resampled);
 }
 
+/// So often hips that legs do not reach are tried lower.
+const DESCENTS: usize = 3;
+
 /// `hips`: where they are held.
 fn corrected(
     stage: &Stage<'_, Moved<'_>>,
@@ -79,8 +82,10 @@ fn corrected(
     };
     let skeleton = skeleton_of(scene, who);
     let mut refined = refine(skeleton, &input, plant_mode(scene));
-    if let Some(lower) = within_legs(&hips, &refined.poses) {
-        input.effectors.truncate(input.effectors.len() - hips.len());
+    for _ in 0..DESCENTS {
+        let own = input.effectors.len() - hips.len();
+        let Some(lower) = within_legs(&input.effectors[own..], &refined.poses) else { break };
+        input.effectors.truncate(own);
         input.effectors.extend(lower);
         refined = refine(skeleton, &input, plant_mode(scene));
     }
