@@ -1,7 +1,7 @@
 //! Everybody of a scene made physically plausible, after their bodies are where they must be.
 //!
 //! One by one bodies are touched up against the motion before the edit, as their tracks show it: at its own pace, and before bends,
-//! tilts and blends where the clip is made of others ([`before`]). Then feet stand again, and hands are brought back to boxes, places and
+//! tilts and blends where the clip is made of others ([`mod@before`]). Then feet stand again, and hands are brought back to boxes, places and
 //! each other: what is carried goes where it went before, and the body moves between its hands and its feet.
 
 pub mod before;
