@@ -5,6 +5,9 @@
 //! reaches somebody waits for them, and all others are corrected in parallel. Those who reach each other, or whose hands
 //! meet, are corrected in turn, four times: hands meet in the middle, and where one falls short the other comes to it.
 
+mod again;
+mod hips;
+
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
@@ -27,6 +30,8 @@ use crate::scene::{Plants, Scene};
 use crate::skeleton::Pose;
 use crate::ties::Ties;
 use crate::track::{Run, Track};
+
+pub use again::{embody_again, unembodied};
 
 /// Moments this near to an output frame are at it, seconds.
 const AT_FRAME: f64 = 1e-7;
@@ -84,25 +89,31 @@ pub fn embody_some<'a>(stage: &Stage<'_, Moved<'a>>, resampled: &mut Resampled) 
         members.iter().zip(&resampled.clips).map(|(who, clip)| (*who, (start, clip.frame_count()))).collect();
     let mut done: BTreeMap<CharacterId, Body> = BTreeMap::new();
     for round in rounds(stage, &members) {
-        let turn = |group: &Vec<CharacterId>| in_turn(stage, &done, (group, &clocks));
+        let make = |so_far: &SoFar<'_>, who: CharacterId| body(stage, so_far, (who, clocks[&who]));
+        let turn = |group: &Vec<CharacterId>| in_turn(stage.performance, &done, group, &make);
         let bodies: Vec<(CharacterId, Body)> = round.par_iter().flat_map_iter(turn).collect();
         done.extend(bodies);
     }
     let bodies: Vec<Body> = done.into_values().collect();
-    for (clip, body) in resampled.clips.iter_mut().zip(&bodies) {
-        let frames = 0..clip.frame_count();
-        let samples: Vec<usize> =
-            frames.map(|frame| body.nearest(start + frame as f64 / scene.fps)).collect();
-        let poses: Vec<Pose> = samples.iter().map(|sample| body.poses[*sample].clone()).collect();
-        let planted: Vec<Contacts> = samples.iter().map(|sample| body.planted[*sample]).collect();
-        let made = Clip::from_poses(&clip.name, Arc::clone(&clip.skeleton), clip.fps, &poses);
-        *clip = Clip { contacts: hands(&planted), ..made };
-    }
+    show(&bodies, resampled);
     Embodied { moved, members, bodies }
 }
 
+/// Replaces the clips by what became of the bodies.
+fn show(bodies: &[Body], resampled: &mut Resampled) {
+    let start = resampled.start_time;
+    for (clip, body) in resampled.clips.iter_mut().zip(bodies) {
+        let frames = 0..clip.frame_count();
+        let samples: Vec<usize> = frames.map(|frame| body.nearest(start + frame as f64 / clip.fps)).collect();
+        let poses: Vec<Pose> = samples.iter().map(|sample| body.poses[*sample].clone()).collect();
+        let planted: Vec<Contacts> = samples.iter().map(|sample| body.planted[*sample]).collect();
+        let made = Clip::from_poses(&clip.name, Arc::clone(&clip.skeleton), clip.fps, &poses);
+        *clip = Clip { contacts: stated_hands(&planted), ..made };
+    }
+}
+
 /// What is to be stated of a clip whose points bear as in `planted`, one a frame: hands, which nobody finds.
-fn hands(planted: &[Contacts]) -> Vec<AnnotatedContact> {
+pub fn stated_hands(planted: &[Contacts]) -> Vec<AnnotatedContact> {
     let of_point = |point: ContactPoint| {
         let bears: Vec<bool> = planted.iter().map(|contact| contact.at(point)).collect();
         let contact = move |(first, last)| AnnotatedContact {
@@ -175,17 +186,17 @@ fn known_by<P>(stage: &Stage<'_, P>, who: CharacterId) -> BTreeSet<CharacterId> 
 /// by a hand that goes with its forearm, after the fourth also where bodies have to come nearer.
 const SWEEPS: usize = 4;
 
-/// Corrects a group; `done`: of everybody who is corrected already. `clocks`: of everybody, see [`sample_times`].
+/// Corrects a group, each by `make`, which is told how everybody is so far; `done`: of everybody who is corrected already.
 fn in_turn(
-    stage: &Stage<'_, Moved<'_>>,
+    moved: &Moved<'_>,
     done: &BTreeMap<CharacterId, Body>,
-    (group, clocks): (&[CharacterId], &BTreeMap<CharacterId, (f64, usize)>),
+    group: &[CharacterId],
+    make: &impl Fn(&SoFar<'_>, CharacterId) -> Body,
 ) -> Vec<(CharacterId, Body)> {
     let mut bodies: Vec<(CharacterId, Body)> = Vec::with_capacity(group.len());
     let sweeps = if group.len() > 1 { SWEEPS } else { 1 };
     for who in std::iter::repeat_n(group, sweeps).flatten() {
-        let so_far = SoFar { moved: stage.performance, done, group: &bodies };
-        let body = body(stage, &so_far, (*who, clocks[who]));
+        let body = make(&SoFar { moved, done, group: &bodies }, *who);
         match bodies.iter_mut().find(|(known, _)| known == who) {
             Some((_, known)) => *known = body,
             None => bodies.push((*who, body)),
@@ -214,25 +225,18 @@ fn body(stage: &Stage<'_, Moved<'_>>, so_far: &SoFar<'_>, (who, clock): (Charact
     let times = sample_times((scene, stage.ties), moved, who, clock);
     let track = &scene.characters[who.as_usize()].track;
     let frames: Vec<f64> = times.iter().map(|time| moved.frame(who, *time)).collect();
-    let mut targets = carry_targets(stage, who, &times);
-    let others = Others { performance: so_far, corrected: &|who| so_far.body(who).is_some() };
-    targets.extend(effector_targets(stage, &others, who, &times));
+    let effectors = effectors(stage, so_far, who, &times);
     let before: Vec<Pose> = frames.iter().map(|frame| moved.pose(who, *frame)).collect();
     let mut input = BodyInput {
         rest: frames.iter().map(|frame| track.pose(*frame)).collect(),
         moved: before.clone(),
         contacts: shown_contacts_at(track, &frames),
-        effectors: targets.iter().map(effector).collect(),
+        effectors,
         seams: seams(track, &frames),
         times,
     };
     hold_fingers(stage, who, (&input.times, &mut input.moved));
-    let mode = match scene.full_body.plants {
-        Plants::AsCaptured => PlantMode::AsCaptured,
-        Plants::Pinned { largest_turn: None } => PlantMode::PINNED,
-        Plants::Pinned { largest_turn: Some(largest_turn) } => PlantMode::Pinned { largest_turn },
-    };
-    let refined = refine(skeleton_of(scene, who), &input, mode);
+    let refined = refine(skeleton_of(scene, who), &input, plant_mode(scene));
     Body {
         times: input.times,
         moved: before,
@@ -240,6 +244,27 @@ fn body(stage: &Stage<'_, Moved<'_>>, so_far: &SoFar<'_>, (who, clock): (Charact
         planted: refined.planted,
         report: refined.report,
     }
+}
+
+fn plant_mode(scene: &Scene) -> PlantMode {
+    match scene.full_body.plants {
+        Plants::AsCaptured => PlantMode::AsCaptured,
+        Plants::Pinned { largest_turn: None } => PlantMode::PINNED,
+        Plants::Pinned { largest_turn: Some(largest_turn) } => PlantMode::Pinned { largest_turn },
+    }
+}
+
+/// Where hands and other ends of somebody must be, as others are so far.
+fn effectors(
+    stage: &Stage<'_, Moved<'_>>,
+    so_far: &SoFar<'_>,
+    who: CharacterId,
+    times: &[f64],
+) -> Vec<Effector> {
+    let mut targets = carry_targets(stage, who, times);
+    let others = Others { performance: so_far, corrected: &|who| so_far.body(who).is_some() };
+    targets.extend(effector_targets(stage, &others, who, times));
+    targets.iter().map(effector).collect()
 }
 
 /// Seams of a track, seen at fractional frames of it, which rise.
@@ -294,14 +319,14 @@ fn effector(target: &JointTarget) -> Effector {
 
 impl Body {
     /// Sample nearest to a scene time.
-    fn nearest(&self, time: f64) -> usize {
+    pub fn nearest(&self, time: f64) -> usize {
         let after = self.times.partition_point(|known| *known < time).min(self.times.len() - 1);
         let before = after.saturating_sub(1);
         if time - self.times[before] < self.times[after] - time { before } else { after }
     }
 
     /// `pose`, which is the character's before this stage at a scene time, with what the stage did around then.
-    fn corrected(&self, mut pose: Pose, time: f64) -> Pose {
+    pub fn corrected(&self, mut pose: Pose, time: f64) -> Pose {
         let nearest = self.nearest(time);
         if (self.times[nearest] - time).abs() < AT_FRAME {
             return self.poses[nearest].clone();

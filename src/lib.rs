@@ -54,6 +54,7 @@ pub mod fingers;
 pub mod full_body;
 pub mod embody;
 pub mod physics;
+pub mod plausible;
 pub mod metrics;
 pub mod residual;
 pub mod relay;

@@ -94,7 +94,8 @@ pub fn partners(scene: &Scene, ties: &Ties, who: CharacterId) -> Vec<CharacterId
     ties.effectors[who.as_usize()].iter().filter_map(|index| partner(&scene.end_effectors[*index])).collect()
 }
 
-/// Scene times of all moments that ask for something of a character's joints, or at which others reach them; rising.
+/// Scene times of all moments that ask for something of a character's joints, hold its hips while it leans, or at which others reach
+/// its joints; rising.
 /// Cost: linear in what is tied to it.
 pub fn constrained_times(
     (scene, ties): (&Scene, &Ties),
@@ -104,7 +105,10 @@ pub fn constrained_times(
     let effectors = ties.effectors[who.as_usize()].iter().map(|index| &scene.end_effectors[*index]);
     let own = effectors.flat_map(|effector| moments_of(effector, who));
     let carries = ties.carries[who.as_usize()].iter().map(|index| &scene.carries[*index]);
-    let all = own.chain(carries.flat_map(|carry| [&carry.during.0, &carry.during.1]));
+    let holds = ties.holds[who.as_usize()].iter().flat_map(|index| scene.constraints[*index].kind.moments());
+    let all = own
+        .chain(carries.flat_map(|carry| [&carry.during.0, &carry.during.1]))
+        .chain(holds.filter(|moment| moment.character == who));
     let mut times: Vec<f64> = all.map(|moment| moment_time(scene, performance, moment)).collect();
     times.sort_by(f64::total_cmp);
     times.dedup();

@@ -1,7 +1,8 @@
-//! Who carries, reaches, and is reached: found once, so that what one character needs costs nothing for all the others.
+//! Who carries, reaches, is reached and is held: found once, so that what one character needs costs nothing for all the others.
 
 use std::collections::BTreeSet;
 
+use crate::constraint::{ConstraintKind, Partner, Strength, When};
 use crate::effector::{EffectorTarget, EndEffector, Orientation};
 use crate::index::{CharacterId, ObjectId};
 use crate::object_motion::{AtRest, ObjectMotion, object_motions};
@@ -15,6 +16,9 @@ pub struct Ties {
     /// Of each character: end effectors of its own and those that reach a joint of it, by position in
     /// [`Scene::end_effectors`], rising.
     pub effectors: Vec<Vec<usize>>,
+    /// Of each character: hard constraints of its place or facing, by position in [`Scene::constraints`], rising; empty where nobody
+    /// is touched up, as bodies are on their paths then but for what they reach.
+    pub holds: Vec<Vec<usize>>,
     /// The objects of the motion before any edit; empty where nothing is turned as it was to an object then.
     pub rest_objects: Vec<ObjectMotion>,
 }
@@ -23,6 +27,7 @@ impl Ties {
     /// Those of a scene. Cost: linear.
     pub fn of(scene: &Scene) -> Self {
         let nothing: Vec<Vec<usize>> = vec![Vec::new(); scene.characters.len()];
+        let holds = holds(scene, nothing.clone());
         let (mut carries, mut effectors) = (nothing.clone(), nothing);
         for (index, carry) in scene.carries.iter().enumerate() {
             let who: BTreeSet<&CharacterId> = carry.by.iter().collect();
@@ -39,13 +44,41 @@ impl Ties {
         };
         let needs_rest = scene.end_effectors.iter().any(is_turned_as_before);
         let rest_objects = if needs_rest { object_motions(scene, &AtRest(scene)) } else { Vec::new() };
-        Self { carries, effectors, rest_objects }
+        Self { carries, effectors, holds, rest_objects }
     }
 
     /// The objects that a character carries at some time, in their order.
     pub fn objects(&self, scene: &Scene, who: CharacterId) -> BTreeSet<ObjectId> {
         self.carries[who.as_usize()].iter().map(|carry| scene.carries[*carry].object).collect()
     }
+}
+
+/// When a constraint holds somebody's place or facing; never, where it is about time.
+pub fn held_by(kind: &ConstraintKind) -> Vec<&When> {
+    match kind {
+        ConstraintKind::Pin { when, .. } => vec![when],
+        ConstraintKind::Relative { when, partner: Partner::Character(theirs), .. } => vec![when, theirs],
+        ConstraintKind::Relative { when, partner: Partner::Object(_), .. } => vec![when],
+        ConstraintKind::Time { .. } | ConstraintKind::Duration { .. } | ConstraintKind::Sync { .. } => {
+            Vec::new()
+        }
+    }
+}
+
+/// See [`Ties::holds`]. `nothing`: an empty list a character.
+fn holds(scene: &Scene, nothing: Vec<Vec<usize>>) -> Vec<Vec<usize>> {
+    let mut holds = nothing;
+    if scene.physics.is_none() {
+        return holds;
+    }
+    for (index, constraint) in scene.constraints.iter().enumerate() {
+        if constraint.strength != Strength::Hard {
+            continue;
+        }
+        let who: BTreeSet<CharacterId> = held_by(&constraint.kind).into_iter().map(When::character).collect();
+        who.into_iter().for_each(|who| holds[who.as_usize()].push(index));
+    }
+    holds
 }
 
 /// Whose joint an end effector reaches.

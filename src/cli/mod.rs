@@ -92,6 +92,9 @@ struct RunArgs {
     /// Also draw poses of every character side by side, from the side and from above.
     #[arg(long)]
     strip: bool,
+    /// Also draw what the touch-up changed for everybody over time, before and after (scenes with [physics]).
+    #[arg(long)]
+    plots: bool,
     /// Make one of several shards of the files: the first of four is 1/4; `merge` joins them.
     #[arg(long, value_name = "I/N", value_parser = shard)]
     shard: Option<Shard>,

@@ -4,10 +4,11 @@ use std::collections::BTreeSet;
 
 use cotillion::discrete::outcome::Outcome;
 use cotillion::edit::{Edit, Moved};
-use cotillion::embody::embody_some;
+use cotillion::embody::{Embodied, embody_some};
 use cotillion::export::bvh::BvhOptions;
 use cotillion::export::files::{OutputFile, Staging, WriteError};
 use cotillion::export::parts::{MANY, Part, parts};
+use cotillion::export::physics_report::{courses, curves_svg};
 use cotillion::export::picture::to_png;
 use cotillion::export::report::{PartReport, Report, Setting, Timing, is_told, part_report, whole_report};
 use cotillion::export::scene::{animation, names, part_files, pictures};
@@ -15,11 +16,13 @@ use cotillion::export::shards::{Shard, ShardFiles, shard_report};
 use cotillion::export::strips::strip_files;
 use cotillion::index::CharacterId;
 use cotillion::object_motion::object_motions;
+use cotillion::plausible::{NotTouched, TouchUps, Touched, make_plausible};
 use cotillion::reach::Stage;
-use cotillion::resample::{TooLong, resample_some};
+use cotillion::resample::{Resampled, TooLong, resample_some};
 use cotillion::residual::{Demands, Stances};
 use cotillion::ties::Ties;
 use indicatif::ProgressBar;
+use rayon::prelude::*;
 
 use super::RunArgs;
 use super::run::timed;
@@ -129,6 +132,31 @@ fn pngs(files: &[OutputFile], width: u32) -> Result<Vec<OutputFile>, Unproduced>
     drawn.collect()
 }
 
+/// Bodies of those in `resampled`, made plausible where the scene wants it.
+fn plausible<'a>(
+    stage: &Stage<'_, Moved<'a>>,
+    resampled: &mut Resampled,
+    timing: &mut Timing,
+) -> (Embodied<'a>, TouchUps) {
+    let mut embodied = timed(&mut timing.full_body, || embody_some(stage, resampled));
+    let touch_ups = timed(&mut timing.physics, || make_plausible(stage, &mut embodied, resampled));
+    (embodied, touch_ups)
+}
+
+/// Curves of everybody who was touched up.
+fn curve_files(touch_ups: &TouchUps, resampled: &Resampled, names: &[String]) -> Vec<OutputFile> {
+    let file = |(who, touched): (&CharacterId, &Result<Touched, NotTouched>)| {
+        let touched = touched.as_ref().ok()?;
+        let written = resampled.clip(*who)?;
+        let about = (written.name.as_str(), "");
+        let motion = (&touched.before, &touched.stages);
+        let svg = curves_svg(about, motion, &courses(touched, written), &touched.done.ground);
+        let name = format!("{}.curves.svg", names[who.as_usize()]);
+        Some(OutputFile { name, bytes: svg.into_bytes() })
+    };
+    touch_ups.par_iter().filter_map(file).collect()
+}
+
 /// Makes the files of parts.
 struct Maker<'a> {
     order: &'a Order<'a>,
@@ -143,7 +171,7 @@ impl Maker<'_> {
         let Setting { stage, outcome, .. } = self.setting;
         let (scene, edit) = (stage.scene, &outcome.edit);
         let mut resampled = timed(&mut timing.export, || resample_some(scene, edit, &part.members))?;
-        let embodied = timed(&mut timing.full_body, || embody_some(stage, &mut resampled));
+        let (embodied, touch_ups) = plausible(stage, &mut resampled, timing);
         let args = self.order.args;
         let writes_bvh = args.bvh_files || scene.characters.len() <= MANY;
         let (report, files) = timed(&mut timing.export, || {
@@ -153,7 +181,11 @@ impl Maker<'_> {
             if args.strip {
                 files.extend(strip_files(scene, edit, &resampled, &self.names));
             }
-            (part_report(self.setting, &embodied, &resampled), files)
+            if args.plots {
+                files.extend(curve_files(&touch_ups, &resampled, &self.names));
+            }
+            let report = part_report(self.setting, &embodied, &resampled);
+            (report.with_physics(&touch_ups, &resampled), files)
         });
         Ok((report, self.keep(files, timing)?))
     }
@@ -185,7 +217,7 @@ impl Maker<'_> {
         let mut stances = Stances::default();
         for part in parts.iter().filter(|part| part.members.iter().any(|who| beside.contains(who))) {
             let mut resampled = resample_some(stage.scene, &outcome.edit, &part.members)?;
-            let embodied = timed(&mut timing.full_body, || embody_some(stage, &mut resampled));
+            let (embodied, _) = plausible(stage, &mut resampled, timing);
             for who in beside.iter().filter(|who| part.members.contains(who)) {
                 stances.extend(demands.stances((stage.scene, &outcome.edit), &embodied, *who));
             }

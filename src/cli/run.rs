@@ -38,6 +38,10 @@ pub(crate) fn run(args: &RunArgs) -> Result<(), Failure> {
         )?;
     bar.suspend(|| output.warnings(&warnings, &text));
     bar.inc(1);
+    if args.plots && scene.physics.is_none() {
+        bar.finish_and_clear();
+        return Err(output.fail(nothing_to_plot(args)));
+    }
     let (solved, before) = solved(scene, args, (&mut timing, &bar), &output).map_err(|error| {
         bar.finish_and_clear();
         output.diagnostics(&unsatisfiable(&args.scene, &text, &error), &text);
@@ -59,6 +63,16 @@ pub(crate) fn run(args: &RunArgs) -> Result<(), Failure> {
     output.say(&summary(&produced.report, &args.output));
     output.print_json(&produced.report);
     Ok(())
+}
+
+fn nothing_to_plot(args: &RunArgs) -> PlainError {
+    PlainError {
+        file: args.scene.display().to_string(),
+        line: 0,
+        column: 0,
+        message: "--plots draws what the touch-up changes, and this scene has none".to_owned(),
+        help: Some("add a table [physics] with touch_up = true, or leave --plots out".to_owned()),
+    }
 }
 
 /// Adds the report to the files of a result and gives all their names.

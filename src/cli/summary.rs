@@ -4,7 +4,9 @@ use std::path::Path;
 
 use cotillion::export::body_report::{FullBodyReport, ShortfallReport};
 use cotillion::export::parts::MANY;
+use cotillion::export::physics_report::{PhysicsReport, TouchedReport};
 use cotillion::export::report::{CharacterReport, ConstraintReport, Report, RestEdited};
+use cotillion::export::touch_up_report::JudgedReport;
 
 /// Springs that give by less are not told of, in the unit of what they hold; nor are plants that drift by less, metres.
 const TOLD: f64 = 0.01;
@@ -42,6 +44,7 @@ pub(crate) fn summary(report: &Report, folder: &Path) -> String {
             text += &body_lines(character, body);
         }
     }
+    text.extend(report.characters.iter().filter_map(touched));
     text.extend(report.constraints.iter().flat_map(missed).map(|(_, line)| line));
     for note in &report.notes {
         text += &format!("note: {note}\n");
@@ -67,6 +70,7 @@ fn of_many(report: &Report) -> String {
         let changes: usize = changed().map(|own| own.discrete.len()).sum();
         text += &format!("{} characters have {changes} discrete changes\n", changed().count());
     }
+    text += &touched_many(all);
     let bodies = all.iter().filter_map(|own| Some((own, own.full_body.as_ref()?)));
     let short = bodies.flat_map(|(own, body)| {
         let lines = body_lines(own, body);
@@ -77,6 +81,23 @@ fn of_many(report: &Report) -> String {
     text += &worst(report.constraints.iter().flat_map(missed).collect(), "lines about constraints");
     let notes = report.notes.iter().map(|note| (0.0, format!("note: {note}\n")));
     text + &worst(notes.collect(), "notes")
+}
+
+/// How many were touched up, and what became of their mean distances.
+fn touched_many(all: &[CharacterReport]) -> String {
+    let touched: Vec<&TouchedReport> = all.iter().filter_map(CharacterReport::touched).collect();
+    let pairs = touched.iter().filter_map(|own| Some([own.ground.before.d?.mean, own.result.d?.mean]));
+    let pairs: Vec<[f64; 2]> = pairs.collect();
+    if pairs.is_empty() {
+        return String::new();
+    }
+    let mean = |at: usize| 1e3 * pairs.iter().map(|pair| pair[at]).sum::<f64>() / pairs.len() as f64;
+    format!(
+        "{} characters touched up: zero moment points to polygons {:.1} mm → {:.1} mm in the mean\n",
+        touched.len(),
+        mean(0),
+        mean(1)
+    )
 }
 
 /// Whose path changes its length most, and whose time steps do.
@@ -129,6 +150,34 @@ fn changed(character: &CharacterReport) -> Option<String> {
         changes.stretch.length,
         changes.stretch.time,
     ))
+}
+
+/// What the touch-up did to somebody, if it was to do something.
+fn touched(character: &CharacterReport) -> Option<String> {
+    let name = &character.name;
+    let told = match character.physics.as_ref()? {
+        PhysicsReport::NotTouched { not_touched } => {
+            return Some(format!("{name} is not touched up: {not_touched}\n"));
+        }
+        PhysicsReport::Touched(told) => told,
+    };
+    let mean = |judged: &JudgedReport| judged.d.map_or("–".to_owned(), |d| format!("{:.1}", d.mean * 1e3));
+    let ground = &told.ground;
+    let source = ground.source.as_ref().map_or("–".to_owned(), mean);
+    let mut text = format!(
+        "{name:<12} zero moment point to polygon {} mm → {} mm, before the edit {source} mm; {} of {} steps kept",
+        mean(&ground.before),
+        mean(&told.result),
+        ground.kept,
+        ground.steps.len(),
+    );
+    if let Some(change) = &told.largest_change {
+        text +=
+            &format!("; {} turns most, by {:.1}° at {:.2} s", change.joint, change.degrees, change.seconds);
+    }
+    text += "\n";
+    text.extend(told.doubts.iter().map(|doubt| format!("{name}: doubt: {doubt}\n")));
+    Some(text)
 }
 
 /// What of a constraint does not hold on the result: by how much, a line each.

@@ -6,6 +6,7 @@ use crate::clip::Clip;
 use crate::clip::contacts::annotated::apply;
 use crate::clip::contacts::raised::{RaisedGround, RaisedSettings, raise};
 use crate::clip::contacts::{ContactSettings, Contacts, foot_contacts, sampled_frames};
+use crate::clip::derived::Origin;
 use crate::clip::facing::{facing, headings, turn_about_up};
 use crate::clip::flight::{FlightSettings, flight};
 use crate::clip::stationary::{StationarySettings, stationary};
@@ -46,6 +47,8 @@ pub struct WorkingClip {
     pub flight: Vec<bool>,
     /// Working frames of stationary stretches (standing, sitting).
     pub stationary: Vec<bool>,
+    /// What the clip was before it was edited, where it is made of others.
+    pub origin: Option<Arc<Origin>>,
 }
 
 impl WorkingClip {
@@ -79,6 +82,7 @@ impl WorkingClip {
             positions,
             contacts,
             grounds,
+            origin: None,
             clip,
         }
     }

@@ -66,7 +66,7 @@ pub struct ShortfallReport {
 
 /// One character's share; `None` where the full body is off. Cost: linear in samples.
 pub fn full_body_report(embodied: &Embodied<'_>, who: CharacterId) -> Option<FullBodyReport> {
-    let body = embodied.body(who)?;
+    let body = embodied.body(who).filter(|_| embodied.moved.scene.full_body.enabled)?;
     let skeleton = skeleton_of(embodied.moved.scene, who);
     let joint = |joint: JointId| skeleton.joints[joint.as_usize()].name.clone();
     let change = body.report.largest_change.map(|change| ChangeReport {

@@ -7,6 +7,7 @@ pub mod files;
 pub mod gltf;
 mod palette;
 pub mod parts;
+pub mod physics_report;
 pub mod picture;
 pub mod report;
 pub mod scene;

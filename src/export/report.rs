@@ -13,6 +13,7 @@ use crate::edit::energy::{Energy, length};
 use crate::embody::Embodied;
 use crate::export::body_report::{FullBodyReport, full_body_report};
 use crate::export::changes::{ChangesReport, DiscreteReport};
+use crate::export::physics_report::{PhysicsReport, TouchedReport};
 use crate::geometry::{c64, wrap};
 use crate::index::{CharacterId, floor_index};
 use crate::metrics::shown_slides;
@@ -79,6 +80,9 @@ pub struct CharacterReport {
     pub foot_slide: RestEdited,
     /// What became of the body; `null` where the full body is off.
     pub full_body: Option<FullBodyReport>,
+    /// What the touch-up did; left out for those who were not to be touched up.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub physics: Option<PhysicsReport>,
     /// Clips of other bodies, each once: scale, joints that nothing corresponds to, how far legs fall short.
     pub performed: Vec<Performed>,
     /// What became of the track, where it could change.
@@ -86,6 +90,16 @@ pub struct CharacterReport {
     pub changes: Option<ChangesReport>,
     /// Discrete edits, in order.
     pub discrete: Vec<DiscreteReport>,
+}
+
+impl CharacterReport {
+    /// What the touch-up did, where it did something.
+    pub fn touched(&self) -> Option<&TouchedReport> {
+        match self.physics.as_ref()? {
+            PhysicsReport::Touched(told) => Some(told),
+            PhysicsReport::NotTouched { .. } => None,
+        }
+    }
 }
 
 /// A quantity before and after the edit.
@@ -229,6 +243,7 @@ fn character_report(
         time_step: if still { MinMax { min: 1.0, max: 1.0 } } else { MinMax { min, max } },
         foot_slide: RestEdited { rest: rest_slide, edited: edited_slide },
         full_body: full_body_report(embodied, who),
+        physics: None,
         performed: character.performed.clone(),
         changes: outcome.tracks.get(who.as_usize()).map(|changes| ChangesReport::new(changes, rest, track)),
         discrete: outcome

@@ -263,6 +263,32 @@ impl Stages {
         Polygon::of(&self.contacts(posed, frame), force)
     }
 
+    /// The stages of a motion that shows these frames in another order or pace: `frames`, one a frame of that motion, rising. Flights
+    /// fall as they did.
+    ///
+    /// # Panics
+    /// If a frame is beyond the last.
+    pub fn at(&self, frames: &[usize]) -> Self {
+        let shown = |bears: &[bool]| frames.iter().map(|frame| bears[*frame]).collect();
+        let support = |own: &Support| Support { bears: shown(&own.bears), ..own.clone() };
+        let flight = |check: &FlightCheck| {
+            let first = frames.partition_point(|frame| *frame < check.first);
+            let last = frames.partition_point(|frame| *frame <= check.last).checked_sub(1)?;
+            (first <= last).then_some(FlightCheck { first, last, ..*check })
+        };
+        Self {
+            soles: self.soles.clone(),
+            supports: self.supports.iter().map(support).collect(),
+            phases: frames.iter().map(|frame| self.phases[*frame]).collect(),
+            flights: self.flights.iter().filter_map(flight).collect(),
+        }
+    }
+
+    /// Whether the same supports in two frames.
+    pub fn bear_alike(&self, one: usize, other: usize) -> bool {
+        self.supports.iter().all(|support| support.bears[one] == support.bears[other])
+    }
+
     fn check_flights(&mut self, body: &BodyModel, posed: &PosedClip) {
         let centers = centers_of_mass(body, &link_places(body, posed));
         let heights: Vec<f64> = centers.iter().map(|center| center.y).collect();

@@ -18,9 +18,7 @@ use crate::scene::moment::{Entry, Member};
 use crate::scene::report::{At, Lines, Place, Report};
 use crate::scene::tree::Field;
 use crate::scene::values;
-use crate::scene::{
-    Character, FullBody, Mode, Plants, Scene, Warp, busy, drags, objects, raw, refuse, things, ties,
-};
+use crate::scene::{Character, FullBody, Mode, Plants, Scene, Warp, busy, drags, objects, raw, things, ties};
 use crate::track::{Protected, SeamChoice, SeamRule, Track};
 
 /// The scene that `raw` describes; whatever is wrong with it is in `report`, and the scene is then of no use.
@@ -33,7 +31,6 @@ pub fn check(
     folders: &ClipFolders,
     report: &mut Report,
 ) -> Scene {
-    refuse::refuse(raw, report);
     let folder = path.parent().unwrap_or(Path::new(""));
     let folders = Folders { scene: folder, mocap: folders.mocap.as_deref() };
     let clips = clips::declared(raw, folders, report);
@@ -61,6 +58,7 @@ pub fn check(
         end_effectors: checked.end_effectors,
         drags,
         discrete: checked.discrete,
+        physics: checked.physics,
         captured: BTreeMap::new(),
         warp: warp(&raw.warp, report),
         full_body: full_body(&raw.full_body, report),

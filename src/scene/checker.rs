@@ -9,6 +9,7 @@ use crate::object::Carry;
 use crate::scene::clips::check_name;
 use crate::scene::drags::DraftDrag;
 use crate::scene::moment::{self, Member, Unresolved};
+use crate::scene::physics::Physics;
 use crate::scene::report::{At, Lines, Place, Report};
 use crate::scene::tree::Field;
 use crate::scene::values::{self, Pair, WordOr};
@@ -44,6 +45,8 @@ pub struct Checked {
     pub drags: Vec<DraftDrag>,
     /// What discrete editing may do.
     pub discrete: Option<Discrete>,
+    /// How everybody is touched up.
+    pub physics: Option<Physics>,
 }
 
 impl Checked {

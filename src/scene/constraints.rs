@@ -49,6 +49,7 @@ pub fn check(raw: &raw::Scene, cast: &[Member], lines: &Lines<'_>, report: &mut 
         .for_each(|(index, table)| checker.end_effector(table, index));
     raw.drag.tables().iter().for_each(|table| checker.drag(table));
     checker.discrete(&raw.discrete);
+    checker.physics(&raw.physics, &raw.mode);
     checker.checked
 }
 

@@ -3,7 +3,8 @@
 use std::sync::Arc;
 
 use crate::clip::Clip;
-use crate::clip::derived::{BlendError, bent, blended, tilted};
+use crate::clip::derived::{BlendError, Blended, Origin, bent, blended, tilted, usable_part};
+use crate::clip::working::WorkingClip;
 use crate::scene::clips::{Declared, entry, within};
 use crate::scene::moment::Entry;
 use crate::scene::raw;
@@ -54,12 +55,16 @@ pub fn fill(clips: &Named<raw::Clip>, mut known: Vec<Option<Entry>>, report: &mu
         };
         let Some(at) = (0..clips.len()).find(is_ready) else { break };
         let (name, clip) = &clips[at];
-        let parents: Option<Vec<Arc<Clip>>> =
+        let parents: Option<Vec<Arc<WorkingClip>>> =
             links[at].iter().map(|parent| as_used(known[(*parent)?].as_ref()?)).collect();
-        let made = parents.and_then(|parents| made(clip, &parents, report));
-        let read =
-            made.map(|made| Read { clip: Arc::new(Clip { name: name.clone(), ..made }), notes: Vec::new() });
-        known[at] = Some(entry(name, clip, read.as_ref(), report));
+        let (made, before) = parents.and_then(|parents| made(clip, &parents, report)).unzip();
+        let read = made.map(|made: Clip| Read {
+            clip: Arc::new(Clip { name: name.clone(), ..made }),
+            notes: Vec::new(),
+        });
+        let Entry { name, clip, events } = entry(name, clip, read.as_ref(), report);
+        let clip = clip.zip(before).map(|(clip, before)| with_origin(clip, before));
+        known[at] = Some(Entry { name, clip, events });
     }
     tell_of_circles(clips, &links, &known, report);
     let declared = |((name, clip), entry): (&(String, At<raw::Clip>), Option<Entry>)| Declared {
@@ -84,19 +89,39 @@ fn links(clips: &[(String, At<raw::Clip>)], report: &mut Report) -> Vec<Vec<Opti
 }
 
 /// The clip as its table says: its frames, named ones and contacts.
-fn as_used(entry: &Entry) -> Option<Arc<Clip>> {
+fn as_used(entry: &Entry) -> Option<Arc<WorkingClip>> {
     let working = entry.clip.as_ref()?;
     let events = entry.events.as_ref().clone();
-    Some(Arc::new(Clip { usable: (working.first, working.last), events, ..Clip::clone(&working.clip) }))
+    let clip = Clip { usable: (working.first, working.last), events, ..Clip::clone(&working.clip) };
+    Some(Arc::new(WorkingClip { clip: Arc::new(clip), ..WorkingClip::clone(working) }))
+}
+
+/// A derived clip before it was bent and tilted, and how that was blended.
+type Before = (Option<Arc<Clip>>, Option<Arc<(Blended, [Clip; 2])>>);
+
+fn with_origin(working: Arc<WorkingClip>, (clip, blend): Before) -> Arc<WorkingClip> {
+    let before = match clip {
+        Some(clip) => Arc::new(WorkingClip::new(&working.name, clip, working.first, working.last)),
+        None => Arc::clone(&working),
+    };
+    let origin = Some(Arc::new(Origin { clip: before, blend }));
+    Arc::new(WorkingClip { origin, ..Arc::unwrap_or_clone(working) })
 }
 
 /// `None`, reported, where the clips do not give it.
-fn made(clip: &At<raw::Clip>, parents: &[Arc<Clip>], report: &mut Report) -> Option<Clip> {
+fn made(clip: &At<raw::Clip>, parents: &[Arc<WorkingClip>], report: &mut Report) -> Option<(Clip, Before)> {
     match (&clip.value, parents) {
-        (raw::Clip::Derived(derived), [from]) => edited(derived, from, clip, report),
+        (raw::Clip::Derived(derived), [from]) => {
+            let made = edited(derived, &from.clip, clip, report)?;
+            let origin = from.origin.as_ref();
+            let before = origin.map_or(&from.clip, |origin| &origin.clip.clip);
+            Some((made, (Some(Arc::clone(before)), origin.and_then(|origin| origin.blend.clone()))))
+        }
         (raw::Clip::Blended(blend), [from, to]) => {
             let place = &blend.blend.given()?.place;
-            let blended = blended(from, to).map_err(|error| {
+            // What lies beyond the ranges has no share, and must not be filtered into what has.
+            let [from, to] = [from, to].map(|parent| usable_part(&parent.clip));
+            let blended = blended(&from, &to).map_err(|error| {
                 let help = match error {
                     BlendError::OtherSkeleton { .. } => "blend clips of the same body",
                     BlendError::OtherRate { .. } => {
@@ -106,7 +131,8 @@ fn made(clip: &At<raw::Clip>, parents: &[Arc<Clip>], report: &mut Report) -> Opt
                 };
                 report.fault(place, error.to_string(), help);
             });
-            blended.ok().map(|blended| blended.clip)
+            let blended = blended.ok()?;
+            Some((blended.clip.clone(), (None, Some(Arc::new((blended, [from, to]))))))
         }
         _ => None,
     }

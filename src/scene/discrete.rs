@@ -44,7 +44,8 @@ impl Checker<'_> {
         });
     }
 
-    fn member(&mut self, name: &At<String>) -> Option<CharacterId> {
+    /// The character of a name in a list of them.
+    pub fn member(&mut self, name: &At<String>) -> Option<CharacterId> {
         let found = self.cast_places.get(name.value.as_str()).copied();
         if found.is_none() {
             let names: Vec<&str> = self.cast.iter().map(|member| member.name.as_str()).collect();

@@ -17,8 +17,9 @@ pub mod load;
 pub mod manipulation;
 pub mod moment;
 pub mod objects;
+pub mod physics;
+pub mod physics_table;
 pub mod raw;
-pub mod refuse;
 pub mod report;
 pub mod schema;
 pub mod sources;
@@ -26,7 +27,6 @@ pub mod suggest;
 pub mod things;
 pub mod ties;
 pub mod tree;
-pub mod unavailable;
 pub mod values;
 
 use std::collections::BTreeMap;
@@ -69,6 +69,8 @@ pub struct Scene {
     pub drags: Vec<Drag>,
     /// What discrete editing may do; `None`: nothing, tracks stay as they are.
     pub discrete: Option<Discrete>,
+    /// How everybody is touched up; `None`: nobody is.
+    pub physics: Option<physics::Physics>,
     /// What constraints that ask for it had before all discrete changes; empty as long as there is none.
     pub captured: BTreeMap<ConstraintId, Captured>,
     /// Bounds on time steps, as multiples of the rest step; `None`: the mode's default.

@@ -7,10 +7,10 @@ use toml::de::DeValue;
 
 use crate::scene::group::Groups;
 use crate::scene::manipulation::{Discrete, Drag};
+use crate::scene::physics_table::Physics;
 use crate::scene::report::{At, Report};
 use crate::scene::things::{Carry, EndEffector, FullBody, Object};
 use crate::scene::tree::{Field, Keys, Node, Read, table, wrong_type};
-use crate::scene::unavailable::Physics;
 use crate::scene::values::{
     Mode, Named, Offset, OneOrPair, Pair, RelativeFacing, Strength, Tables, Turning, Unit, Up,
 };

@@ -43,7 +43,7 @@ mod tests {
     use super::*;
     use crate::scene::report::{Place, Report};
     use crate::scene::tree::{Node, Read};
-    use crate::scene::{manipulation, things, unavailable};
+    use crate::scene::{manipulation, physics_table, things};
 
     /// A scene with every kind of table.
     const EXAMPLE: &str = include_str!("example.toml");
@@ -102,7 +102,8 @@ mod tests {
         agree::<things::Target>();
         agree::<manipulation::Drag>();
         agree::<manipulation::Discrete>();
-        agree::<unavailable::Physics>();
+        agree::<physics_table::Physics>();
+        agree::<physics_table::Step>();
         agree::<things::FullBody>();
     }
 

@@ -201,6 +201,8 @@ macro_rules! words {
     };
 }
 
+pub(crate) use words;
+
 words! {
     /// Whose settings hold.
     Mode {
@@ -278,7 +280,7 @@ words! {
 }
 
 /// Reports that `node` is none of `words`; `or` names what else it may be: ` or a number`.
-fn not_a_choice(node: &Node<'_>, words: &[&str], or: &str, report: &mut Report) {
+pub fn not_a_choice(node: &Node<'_>, words: &[&str], or: &str, report: &mut Report) {
     let expected = suggest::list(words).replace(", ", " or ") + or;
     let Some(found) = node.value.as_str() else {
         wrong_type(node, &expected, report);

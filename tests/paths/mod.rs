@@ -113,6 +113,7 @@ pub(crate) fn scene(clips: &[Arc<WorkingClip>], constraints: Vec<Constraint>) ->
         end_effectors: Vec::new(),
         drags: Vec::new(),
         discrete: None,
+        physics: None,
         captured: std::collections::BTreeMap::new(),
         warp: Warp::default(),
         full_body: FullBody::default(),

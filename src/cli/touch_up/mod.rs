@@ -9,12 +9,13 @@ use std::time::Instant;
 use cotillion::clip::Clip;
 use cotillion::export::bvh::to_bvh_with;
 use cotillion::export::files::{OutputFile, file_names, write_all};
-use cotillion::export::picture::{Company, StripOptions, TouchUpCurves, strip_svg, touch_up_svg};
+use cotillion::export::physics_report::{self, curves_svg};
+use cotillion::export::picture::{Company, StripOptions, strip_svg};
 use cotillion::export::touch_up_report::{
     BodyPart, FlaggedFrames, FlightPart, GroundPart, JudgedReport, TouchUpReport, TurnReport,
 };
 use cotillion::physics::course::{Course, course};
-use cotillion::physics::ground::report::{GroundReport, Judged, largest_change};
+use cotillion::physics::ground::report::{Judged, largest_change};
 use cotillion::physics::touch_up::{TouchedUp, touch_up};
 
 pub(crate) use self::args::TouchUpArgs;
@@ -88,31 +89,10 @@ fn refuse_own_file(args: &TouchUpArgs, name: &str) -> Result<(), PlainError> {
     Ok(())
 }
 
-fn plots(subject: &Subject, touched: &TouchedUp, [before, after]: &[Course; 2]) -> String {
-    let ground = &touched.ground;
-    let mean = |judged: &Judged| judged.distance.map(|own| own.map_or(0.0, |own| own.mean));
-    let mut steps = vec![mean(&ground.before)];
-    steps.extend(ground.steps.iter().map(|step| mean(&step.judged)));
-    let subtitle = subtitle(subject, ground);
-    touch_up_svg(&TouchUpCurves {
-        title: &subject.clip.name,
-        subtitle: &subtitle,
-        fps: subject.clip.fps,
-        before,
-        after,
-        stages: &subject.stages,
-        steps: &steps,
-        kept: ground.kept,
-    })
-}
-
-fn subtitle(subject: &Subject, ground: &GroundReport) -> String {
-    let mean = |judged: &Judged| {
-        let [own, six] = judged.distance.map(|own| own.map_or(0.0, |own| own.mean * 1e3));
-        format!("{own:.1} mm ({six:.1} at 6 Hz)")
-    };
+fn plots(subject: &Subject, touched: &TouchedUp, courses: &[Course; 2]) -> String {
     let edits: String = subject.edits.iter().map(|edit| format!("{edit}; ")).collect();
-    format!("{edits}mean distance on the ground {} → {}", mean(&ground.before), mean(&ground.after))
+    let about = (subject.clip.name.as_str(), edits.as_str());
+    curves_svg(about, (&subject.clip, &subject.stages), courses, &touched.ground)
 }
 
 fn strip((clip, when): (&Clip, &str), name: &str) -> OutputFile {
@@ -151,25 +131,7 @@ const FAR_FACTOR: f64 = 2.0;
 
 /// What to think about before the result is used.
 fn doubts(subject: &Subject, touched: &TouchedUp, flagged: &FlaggedFrames) -> Vec<String> {
-    let mut doubts: Vec<String> = Vec::new();
-    let doubtful = subject.stages.flights.iter().filter(|flight| flight.is_doubtful());
-    doubts.extend(doubtful.map(ToString::to_string));
-    let far = touched.flight.flights.iter().filter(|facts| facts.turns_far());
-    doubts.extend(far.map(|facts| {
-        format!(
-            "the flight of frames {} to {} turns by {:.0}°",
-            facts.first,
-            facts.last,
-            facts.largest_turn.to_degrees()
-        )
-    }));
-    if touched.ground.before.distance[0].is_none() {
-        doubts.push("nothing bears the body long enough to tell a zero moment point".to_owned());
-    }
-    if !flagged.pulled_down.is_empty() {
-        let count = flagged.pulled_down.len();
-        doubts.push(format!("labels: {count} stretches stand on the ground and are pulled down"));
-    }
+    let mut doubts = physics_report::doubts(&subject.stages, touched, flagged);
     if let Some(estimate) = subject.estimate.as_ref().filter(|own| own.largest_change > FAR_FACTOR - 1.0) {
         let percent = 100.0 * estimate.largest_change;
         doubts.push(format!("masses by {}: a segment is {percent:.0} % off the table", estimate.by));

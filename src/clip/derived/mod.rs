@@ -2,10 +2,12 @@
 
 mod arc;
 mod blend;
+mod origin;
 mod part;
 mod slope;
 
 pub use arc::{ArcError, bent};
 pub use blend::{BlendError, Blended, Share, blended};
+pub use origin::Origin;
 pub use part::usable_part;
 pub use slope::{SlopeError, tilted};

@@ -13,8 +13,10 @@ use crate::constraint::{Constraint, Moment};
 use crate::discrete::outcome::Outcome;
 use crate::edit::Moved;
 use crate::embody::Embodied;
+use crate::export::physics_report::physics_report;
 use crate::index::CharacterId;
 use crate::object_motion::object_motions;
+use crate::plausible::TouchUps;
 use crate::reach::{Miss, Stage, carry_residuals_of, effector_residual};
 use crate::resample::Resampled;
 use crate::residual::{Demands, MomentTime, Residual, Stances, moment_times};
@@ -70,6 +72,16 @@ impl PartReport {
     /// Whom it tells of.
     pub fn members(&self) -> BTreeSet<CharacterId> {
         self.characters.iter().map(|(who, _)| *who).collect()
+    }
+
+    /// With what became of those who were to be touched up, whose motion is written as in `resampled`. Cost: linear in its frames.
+    #[must_use]
+    pub fn with_physics(mut self, touch_ups: &TouchUps, resampled: &Resampled) -> Self {
+        self.characters.par_iter_mut().for_each(|(who, own)| {
+            let told = touch_ups.get(who).zip(resampled.clip(*who));
+            own.physics = told.map(|(touched, written)| physics_report(touched, written));
+        });
+        self
     }
 
     /// This and another.

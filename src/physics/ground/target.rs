@@ -4,7 +4,8 @@ use glam::{DQuat, DVec2, DVec3};
 
 use crate::clip::Clip;
 use crate::clip::facing::turn_about_up;
-use crate::geometry::wrap;
+use crate::geometry::{slerp, wrap};
+use crate::index::floor_index;
 use crate::physics::GRAVITY;
 use crate::physics::body_model::BodyModel;
 use crate::physics::derivatives::{Filter, Kernel, Lanes, smooth};
@@ -108,6 +109,36 @@ impl Source {
         Self {
             offsets: [0, 1].map(|filter| frames.iter().map(|frame| self.offsets[filter][*frame]).collect()),
             roots: frames.iter().map(|frame| self.roots[*frame]).collect(),
+            distances: self.distances,
+        }
+    }
+
+    /// The source of a motion that shows its frames at another pace: `frames`, fractions, one a frame of that motion. Between two
+    /// frames places go over from one to the other where the same bears in both (`stages`: of the source).
+    ///
+    /// # Panics
+    /// If a frame is beyond the source's last.
+    pub fn paced(&self, frames: &[f64], stages: &Stages) -> Self {
+        let last = self.roots.len() - 1;
+        let around = |frame: f64| {
+            let low = floor_index(frame).min(last);
+            (low, (low + 1).min(last), frame - low as f64)
+        };
+        let offset = |filter: usize, frame: f64| {
+            let (low, high, share) = around(frame);
+            let known = &self.offsets[filter];
+            match (known[low], known[high]) {
+                (Some(from), Some(to)) if stages.bear_alike(low, high) => Some(from.lerp(to, share)),
+                _ => known[if share < 0.5 { low } else { high }],
+            }
+        };
+        let root = |frame: &f64| {
+            let (low, high, share) = around(*frame);
+            slerp(self.roots[low], self.roots[high], share)
+        };
+        Self {
+            offsets: [0, 1].map(|filter| frames.iter().map(|frame| offset(filter, *frame)).collect()),
+            roots: frames.iter().map(root).collect(),
             distances: self.distances,
         }
     }
