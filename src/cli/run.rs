@@ -92,8 +92,14 @@ fn write(order: &Order<'_>, produced: &Produced, staging: Staging) -> Result<(),
 
 /// What shapes the files of a shard, and how large they are.
 fn files_of_shard(order: &Order<'_>, names: &[String], staging: &Staging) -> Result<ShardFiles, WriteError> {
-    let RunArgs { png, png_width, animate, strip, bvh_files, .. } = order.args;
-    let asked = [(*png, "--png"), (*animate, "--animate"), (*strip, "--strip"), (*bvh_files, "--bvh-files")];
+    let RunArgs { png, png_width, animate, strip, plots, bvh_files, .. } = order.args;
+    let asked = [
+        (*png, "--png"),
+        (*animate, "--animate"),
+        (*strip, "--strip"),
+        (*plots, "--plots"),
+        (*bvh_files, "--bvh-files"),
+    ];
     let mut options: Vec<String> =
         asked.iter().filter(|(is_asked, _)| *is_asked).map(|(_, name)| (*name).to_owned()).collect();
     options.extend(png.then(|| format!("--png-width {png_width}")));
