@@ -3,6 +3,8 @@
 //! Unknown are deviations from a reference path that satisfies all interior rows, so that only held rows have targets: what
 //! they miss on the reference.
 
+use std::sync::Arc;
+
 use cotillion_solvers::{Dependency, Effort, KktError, PathResponse, PointRow, RowMatrix, analyse_rank};
 
 use crate::constraint::Strength;
@@ -12,13 +14,12 @@ use crate::edit::hold::{Prepared, Term};
 use crate::edit::reduced::ReducedPhase;
 use crate::edit::settings::{Backend, RunMode, SpatialSettings};
 use crate::geometry::c64;
-use crate::path::RestPath;
 
 /// Dependent hard rows agree if they miss by no more than this, relative to the larger of 1 m and their targets.
 const AGREEMENT: f64 = 1e-9;
 
 /// A held row that binds in a phase, by position in the list of held rows, and its left side.
-type BoundRow = (usize, PointRow<c64>);
+type BoundRow = (usize, Arc<PointRow<c64>>);
 
 /// One phase with the storage of its solves.
 pub struct PhaseSolver {
@@ -59,7 +60,7 @@ impl PhaseSolver {
         let dependent = analyse_rank(&matrix.to_csr()).dependent;
         let redundant: Vec<usize> = dependent.iter().map(|dependency| hard[dependency.row]).collect();
         let kept: Vec<usize> = (0..rows.len()).filter(|row| redundant.binary_search(row).is_err()).collect();
-        let kept_rows: Vec<PointRow<c64>> = kept.iter().map(|row| rows[*row].1.clone()).collect();
+        let kept_rows: Vec<PointRow<c64>> = kept.iter().map(|row| PointRow::clone(&rows[*row].1)).collect();
         let reduced = match backend {
             Backend::Reduced => ReducedPhase::new(freedom, kept_rows, settings),
             Backend::Direct | Backend::Published => None,
@@ -112,7 +113,7 @@ impl PhaseSolver {
     fn direct(&mut self, freedom: Freedom, settings: &SpatialSettings) -> &mut DirectPhase {
         let Self { direct, kept_rows, kept, rows, backend, .. } = self;
         direct.get_or_insert_with(|| {
-            *kept_rows = kept.iter().map(|row| rows[*row].1.clone()).collect();
+            *kept_rows = kept.iter().map(|row| PointRow::clone(&rows[*row].1)).collect();
             Box::new(DirectPhase::new(freedom, kept_rows, settings, *backend))
         })
     }
@@ -206,13 +207,8 @@ impl PhaseSolver {
         response: &PathResponse,
     ) -> Option<Self> {
         let reduced = self.reduced.as_ref().filter(|_| self.dependent.is_empty())?;
-        let rows = bound_rows(freedom, held, settings);
-        let stays = |(new, old): (&BoundRow, &BoundRow)| new.0 == old.0 && differ_on(path, &new.1, &old.1);
-        if rows.len() != self.rows.len() || !rows.iter().zip(&self.rows).all(stays) {
-            return None;
-        }
-        let reduced_rows = rows.iter().map(|(_, row)| row.clone()).collect();
-        let reduced = reduced.exchanged((path, freedom), reduced_rows, settings, response)?;
+        let rows = self.rows_with((path, freedom), held, settings)?;
+        let reduced = reduced.exchanged((path, freedom), &rows, settings, response)?;
         Some(Self {
             rows,
             hard: self.hard.clone(),
@@ -227,6 +223,36 @@ impl PhaseSolver {
             backend: Backend::Reduced,
             answer: Backend::Reduced,
         })
+    }
+
+    /// The rows `held` that bind in this phase, if they are those of this system but for their terms and weights on a path;
+    /// the others are shared.
+    fn rows_with(
+        &self,
+        (path, freedom): (usize, Freedom),
+        held: &[Prepared],
+        settings: &SpatialSettings,
+    ) -> Option<Vec<BoundRow>> {
+        let counts: Vec<usize> = freedom.paths.iter().map(|path| path.len()).collect();
+        let rigid = settings.runs == RunMode::Rigid;
+        let (mut rows, mut terms) = (Vec::with_capacity(self.rows.len()), Vec::new());
+        for (index, prepared) in held.iter().enumerate() {
+            if !prepared.binds(freedom.phase, rigid) {
+                continue;
+            }
+            let (known, old) = self.rows.get(rows.len()).filter(|(known, _)| *known == index)?;
+            terms.clear();
+            prepared.add_terms((freedom.phase, settings.relative), &counts, &mut terms);
+            let weight = weight_of(prepared);
+            if !differ_on(path, (&terms, weight), old) {
+                return None;
+            }
+            let changed = touches(path, &terms) || touches(path, &old.terms);
+            let row =
+                if changed { Arc::new(PointRow { terms: terms.clone(), weight }) } else { Arc::clone(old) };
+            rows.push((*known, row));
+        }
+        (rows.len() == self.rows.len()).then_some(rows)
     }
 
     /// How far reduced solves go from now on.
@@ -245,32 +271,35 @@ impl PhaseSolver {
 const SAME: f64 = 1e-12;
 
 /// Whether two rows are the same but for their terms on path `path` and their weight if they have any there.
-fn differ_on(path: usize, new: &PointRow<c64>, old: &PointRow<c64>) -> bool {
-    let touches = |row: &PointRow<c64>| row.terms.iter().any(|term| term.0 == path);
-    let equally_strong = match (new.weight, old.weight) {
-        (Some(_), Some(_)) if touches(new) && touches(old) => true,
+fn differ_on(path: usize, (new, weight): (&[Term], Option<f64>), old: &PointRow<c64>) -> bool {
+    let equally_strong = match (weight, old.weight) {
+        (Some(_), Some(_)) if touches(path, new) && touches(path, &old.terms) => true,
         (new, old) => new == old,
     };
     let same = |a: &Term, b: &Term| {
         (a.0, a.1) == (b.0, b.1) && (a.2 - b.2).norm_sqr() <= SAME * SAME * b.2.norm_sqr()
     };
-    let mut elsewhere = [new, old].map(|row| row.terms.iter().filter(|term| term.0 != path));
+    let mut elsewhere = [new, &old.terms].map(|terms| terms.iter().filter(|term| term.0 != path));
     let [new, old] = &mut elsewhere;
     equally_strong
         && new.all(|term| old.next().is_some_and(|known| same(term, known)))
         && old.next().is_none()
 }
 
+fn touches(path: usize, terms: &[Term]) -> bool {
+    terms.iter().any(|term| term.0 == path)
+}
+
 /// Held rows that bind in this phase.
 fn bound_rows(freedom: Freedom, held: &[Prepared], settings: &SpatialSettings) -> Vec<BoundRow> {
-    let counts: Vec<usize> = freedom.paths.iter().map(RestPath::len).collect();
+    let counts: Vec<usize> = freedom.paths.iter().map(|path| path.len()).collect();
     let rigid = settings.runs == RunMode::Rigid;
     let bound = held.iter().enumerate().filter(|(_, prepared)| prepared.binds(freedom.phase, rigid));
     let row = |prepared: &Prepared| PointRow {
         terms: prepared.terms(freedom.phase, settings.relative, &counts),
         weight: weight_of(prepared),
     };
-    bound.map(|(index, prepared)| (index, row(prepared))).collect()
+    bound.map(|(index, prepared)| (index, Arc::new(row(prepared)))).collect()
 }
 
 /// Weight of a held row in metres; `None`: hard.

@@ -1,5 +1,7 @@
 //! One phase reduced exactly to its held rows: paths as springs.
 
+use std::sync::Arc;
+
 use cotillion_solvers::{
     Bent, Compliance, ComplianceAnalysis, ComplianceFactor, Effort, KktError, PathResponse, PointRow,
 };
@@ -104,13 +106,14 @@ impl ReducedPhase {
     pub fn exchanged(
         &self,
         (path, freedom): (usize, Freedom),
-        mut rows: Vec<PointRow<c64>>,
+        rows: &[(usize, Arc<PointRow<c64>>)],
         settings: &SpatialSettings,
         response: &PathResponse,
     ) -> Option<Self> {
         let (factor, _) = self.factor.as_ref()?;
-        rows.extend(run_rows(freedom));
-        let targets = vec![c64::default(); rows.len()];
+        let run_rows = run_rows(freedom);
+        let targets = self.targets.clone();
+        let rows = rows.iter().map(|(_, row)| &**row).chain(&run_rows);
         let problem = self.problem.with_path(path, spring_path(freedom, path, settings)?, rows)?;
         let factor = response.factor((&self.problem, factor), &problem).ok()?;
         let bent = Bent::new(&problem, &factor);

@@ -6,6 +6,8 @@
 
 mod rotations;
 
+use std::sync::Arc;
+
 use cotillion_solvers::KktError;
 
 use crate::edit::bodies::leave_to_the_body;
@@ -58,7 +60,7 @@ pub type Runs = Vec<(usize, usize)>;
 /// One connected group of characters with its factored systems and its present result.
 pub struct SpatialComponent {
     /// Rest paths.
-    pub rests: Vec<RestPath>,
+    pub rests: Vec<Arc<RestPath>>,
     /// Which frames these are; empty: all.
     pub(super) samplings: Vec<Sampling>,
     /// Held rows; places name paths of this component. Targets may change, structure may not.
@@ -82,9 +84,9 @@ pub struct SpatialComponent {
     pub(super) settings: SpatialSettings,
     pub(super) backend: Backend,
     /// Segments of the rest paths.
-    pub(super) segments: Vec<RestSegments>,
+    pub(super) segments: Vec<Arc<RestSegments>>,
     /// Longest chord of every stationary stretch, by path.
-    pub(super) chords: Vec<Vec<Direction>>,
+    pub(super) chords: Vec<Arc<Vec<Direction>>>,
     pub(super) shape: PhaseSolver,
     pub(super) scale: PhaseSolver,
     /// Systems with other stretches released than the present ones, with these stretches.
@@ -118,7 +120,7 @@ enum Attempt {
 impl SpatialComponent {
     /// Assembles both systems. Cost: linear in frames.
     pub fn new(
-        rests: Vec<RestPath>,
+        rests: Vec<impl Into<Arc<RestPath>>>,
         held: Vec<Prepared>,
         settings: SpatialSettings,
         backend: Backend,
@@ -128,11 +130,12 @@ impl SpatialComponent {
 
     /// The same of paths of which only some frames are given, as the samplings say; by [`Backend::Direct`].
     pub fn of_samples(
-        (rests, samplings): (Vec<RestPath>, Vec<Sampling>),
+        (rests, samplings): (Vec<impl Into<Arc<RestPath>>>, Vec<Sampling>),
         mut held: Vec<Prepared>,
         settings: SpatialSettings,
         backend: Backend,
     ) -> Self {
+        let rests: Vec<Arc<RestPath>> = rests.into_iter().map(Into::into).collect();
         if settings.facing == FacingMode::TangentBlend {
             leave_to_the_body(&mut held, &rests);
         }
@@ -140,14 +143,14 @@ impl SpatialComponent {
         Self {
             shaped: rests.iter().map(|rest| rest.positions.clone()).collect(),
             edited: rests.iter().map(|rest| rest.positions.clone()).collect(),
-            turned: rests.iter().map(TurnedPath::new).collect(),
+            turned: rests.iter().map(|rest| TurnedPath::new(rest)).collect(),
             bodies: rests.iter().map(|rest| Body::new(rest, settings.facing)).collect(),
-            segments: rests.iter().map(RestPath::segments).collect(),
+            segments: rests.iter().map(|rest| Arc::new(rest.segments())).collect(),
             rotations: vec![Rotations::NONE; held.len()],
             energy: SpatialEnergy::default(),
             translations: vec![c64::default(); rests.len()],
             released: Vec::new(),
-            chords: rests.iter().map(chords).collect(),
+            chords: rests.iter().map(|rest| Arc::new(chords(rest))).collect(),
             rests,
             samplings,
             held,
@@ -293,7 +296,7 @@ impl SpatialComponent {
             let (rest, translation) = (&rests[path], translations[path]);
             shape.points(path, |frame| rest.positions[frame] + translation, shaped);
             let kept = |(run, _): &(usize, _)| released.binary_search(&(path, *run)).is_err();
-            let runs = rest.rigid.iter().zip(&chords[path]).enumerate().filter(kept);
+            let runs = rest.rigid.iter().zip(chords[path].iter()).enumerate().filter(kept);
             turned.follow(&segments[path], shaped, runs.map(|(_, run)| run));
         };
         for_each_path(rests, &mut self.shaped, &mut self.turned, bend);
@@ -379,7 +382,7 @@ fn unique(mut constraints: Vec<ConstraintId>) -> Vec<ConstraintId> {
 }
 
 fn assemble_both(
-    paths: (&[RestPath], &[Sampling]),
+    paths: (&[Arc<RestPath>], &[Sampling]),
     held: &[Prepared],
     (settings, backend): (&SpatialSettings, Backend),
     released: &[(usize, usize)],
@@ -389,7 +392,7 @@ fn assemble_both(
 }
 
 pub(super) fn freedom<'a>(
-    (paths, samplings): (&'a [RestPath], &'a [Sampling]),
+    (paths, samplings): (&'a [Arc<RestPath>], &'a [Sampling]),
     phase: Phase,
     settings: &SpatialSettings,
     released: &'a [(usize, usize)],

@@ -4,6 +4,8 @@
 //! All paths of the group on every 25th frame and those that matter, by sparse LU of all kept frames, planned anew each time.
 //! Times are exact, by whatever system. Source: Kim et al. 2009, §5.3 (acceleration).
 
+use std::sync::Arc;
+
 use cotillion_solvers::SpringPath;
 
 use super::Editor;
@@ -98,7 +100,7 @@ impl Editor {
     }
 
     /// Compliance at each frame of a path in the shape phase.
-    fn springs(&self, rest: &RestPath) -> Vec<f64> {
+    fn springs(&self, rest: &Arc<RestPath>) -> Vec<f64> {
         let paths = std::slice::from_ref(rest);
         let runs = self.settings.runs;
         let freedom = Freedom { paths, phase: Phase::Shape, runs, released: &[], samplings: &[] };

@@ -1,5 +1,7 @@
 //! What the energy would be if one character performed another track: only who is connected to them is solved.
 
+use std::sync::Arc;
+
 use cotillion_solvers::Effort;
 
 use crate::clip::working::WORKING_STEP;
@@ -13,7 +15,7 @@ use crate::edit::retarget::{retarget, seconds_of};
 use crate::edit::spatial::{Solved, SpatialComponent};
 use crate::edit::temporal::{TemporalComponent, TemporalSettings};
 use crate::edit::time_row::TimeRow;
-use crate::edit::what_if::{GroupResponse, complete, exchanged, response, set_effort};
+use crate::edit::what_if::{GroupResponse, complete, exchanged, on_canvas, response, set_effort};
 use crate::index::{CharacterId, ConstraintId};
 use crate::path::RestPath;
 use crate::scene::Scene;
@@ -31,7 +33,7 @@ pub struct Variant {
     /// Whose track.
     pub character: usize,
     /// Rest path of the other track.
-    pub rest: RestPath,
+    pub rest: Arc<RestPath>,
     /// Spatial rows of all constraints that name the character, in their order; paths are numbered as characters.
     pub(super) held: Vec<Prepared>,
     /// Temporal rows of these, likewise.
@@ -109,7 +111,7 @@ impl Editor {
     /// track are.
     pub fn variant(&self, scene: &Scene, character: CharacterId) -> Variant {
         let who = character.as_usize();
-        let rest = scene.characters[who].track.rest_path();
+        let rest = Arc::new(scene.characters[who].track.rest_path());
         let mut rests: Vec<&RestPath> = self.edit.characters.iter().map(|own| &own.rest).collect();
         rests[who] = &rest;
         let names = |kind: &ConstraintKind| kind.moments().iter().any(|moment| moment.character == character);
@@ -181,7 +183,7 @@ impl Editor {
         let (index, place) = place_of(&self.spatial, variant.character).unwrap_or_default();
         let group = &self.spatial[index];
         let mut rests = group.component.rests.clone();
-        rests[place] = variant.rest.clone();
+        rests[place] = Arc::clone(&variant.rest);
         let mut spaces = vec![self.space(index, rests, self.held_with((variant, &timing.objects), index))?];
         for (other, _) in &timing.objects.elsewhere {
             spaces.push(self.space_then(*other, timing)?);
@@ -198,7 +200,12 @@ impl Editor {
     }
 
     /// What component `index` comes to with these paths and rows.
-    fn space(&self, index: usize, rests: Vec<RestPath>, held: Vec<Prepared>) -> Result<Space, EditError> {
+    fn space(
+        &self,
+        index: usize,
+        rests: Vec<Arc<RestPath>>,
+        held: Vec<Prepared>,
+    ) -> Result<Space, EditError> {
         let mut component = SpatialComponent::new(rests, held, self.settings, self.backend);
         let characters = &self.spatial[index].characters;
         component.solve().map_err(|error| space_error(&self.scene, characters, error))?;
@@ -217,7 +224,7 @@ impl Editor {
         let (index, _) = place_of(&self.spatial, variant.character)?;
         let group = &self.spatial[index];
         let held = self.held_with((variant, &timing.objects), index);
-        let component = exchanged(&group.component, response, variant.rest.clone(), held)?;
+        let component = exchanged(&group.component, response, Arc::clone(&variant.rest), held)?;
         Some(Exchange { group: index, component })
     }
 
@@ -234,39 +241,43 @@ impl Editor {
         if timing.is_entangled() {
             return None;
         }
-        exchange.component.held.iter_mut().for_each(|prepared| {
+        let Exchange { group, component } = exchange;
+        component.held.iter_mut().for_each(|prepared| {
             retarget(&mut prepared.row, &self.scene);
         });
-        timing.objects.place(exchange.group, &mut exchange.component.held);
+        timing.objects.place(*group, &mut component.held);
         let doubtful = most + SKETCHED * (1.0 + most);
-        match self.energy_below(whom, (exchange, response), (doubtful - least, Effort::Sketch))? {
-            WhatIf::Energy(energy) if energy.total <= doubtful => {
-                self.energy_below(whom, (exchange, response), (most - least, Effort::Estimate))
+        on_canvas(response, component, |component| {
+            let mut below = |most, effort| {
+                self.energy_below(whom, (*group, &mut *component, response), (most - least, effort))
+            };
+            match below(doubtful, Effort::Sketch)? {
+                WhatIf::Energy(energy) if energy.total <= doubtful => below(most, Effort::Estimate),
+                WhatIf::Energy(energy) => Some(WhatIf::TooMuch(Some(energy.total))),
+                given_up => Some(given_up),
             }
-            WhatIf::Energy(energy) => Some(WhatIf::TooMuch(Some(energy.total))),
-            given_up => Some(given_up),
-        }
+        })
     }
 
     /// Ê by some effort, given up where the shape alone takes more than `most`, in Ê.
     fn energy_below(
         &self,
         (variant, timing): (&Variant, &Timing),
-        (Exchange { group, component }, response): (&mut Exchange, &GroupResponse),
+        (group, component, response): (usize, &mut SpatialComponent, &GroupResponse),
         (most, effort): (f64, Effort),
     ) -> Option<WhatIf> {
         let most = most * WORKING_STEP.powi(3);
         set_effort(component, effort);
         let mut solved = component.solve_below(most).ok()?;
         if solved == Solved::LacksScale {
-            complete(&self.spatial[*group].component, response, (component, effort))?;
+            complete(&self.spatial[group].component, response, (component, effort))?;
             solved = component.go_on(most).ok()?;
         }
         if solved != Solved::Both {
             return Some(WhatIf::TooMuch(None));
         }
         let lengths = component.bodies.iter().map(|body| body.length).collect();
-        let mut spaces = vec![space_of(*group, component, lengths)];
+        let mut spaces = vec![space_of(group, component, lengths)];
         let far = timing.objects.elsewhere.iter().filter(|(_, apart)| *apart > NOWHERE_ELSE);
         for (other, _) in far {
             spaces.push(self.space_then(*other, timing).ok()?);
@@ -324,10 +335,15 @@ impl Editor {
             retarget(&mut prepared.row, &self.scene);
             prepared.renumbered(number)
         };
-        let mut held: Vec<Prepared> = variant.held.iter().map(fresh).collect();
         let others = group.component.held.iter().filter(|prepared| !variant.binds(prepared.row.constraint));
-        held.extend(others.map(unbound));
-        held.sort_by_key(|prepared| prepared.row.constraint);
+        let mut own = variant.held.iter().peekable();
+        let mut held = Vec::with_capacity(variant.held.len() + group.component.held.len());
+        for other in others {
+            let before = |prepared: &&Prepared| prepared.row.constraint < other.row.constraint;
+            held.extend(std::iter::from_fn(|| own.next_if(before)).map(fresh));
+            held.push(unbound(other));
+        }
+        held.extend(own.map(fresh));
         objects.place(index, &mut held);
         held
     }
