@@ -166,10 +166,11 @@ impl<'a> Frames<'a> {
                 let least = self.least_exchange((i, j), settings);
                 for (from, before) in &alike[i] {
                     for (to, after) in &alike[j] {
-                        // One of those that change nothing stands for all, as these give one sequence.
+                        // One of those that change nothing stands for all, as these give one sequence; it changes no
+                        // number of frames.
                         let same =
                             (*from, *to) == (self.nodes[i], self.nodes[j]) && self.runs[i] == self.runs[j];
-                        if same && known {
+                        if same && (known || least > 0) {
                             continue;
                         }
                         let worth = |count: usize| count.abs_diff(j - i) >= least;

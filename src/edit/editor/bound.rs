@@ -3,7 +3,7 @@
 use super::Editor;
 use super::variant::{Space, Timing, Variant, place_of};
 use crate::clip::working::WORKING_STEP;
-use crate::edit::energy::{Energy, least_length_cost, length};
+use crate::edit::energy::{Energy, least_length_cost};
 use crate::edit::groups::Group;
 use crate::edit::hold::{Hold, Prepared};
 use crate::edit::phase::weight_of;
@@ -38,7 +38,7 @@ impl Editor {
         let held = self.held_with((variant, &timing.objects), index);
         let mut lengths: Vec<f64> =
             group.characters.iter().map(|tied| self.extents[*tied].length.0).collect();
-        lengths[place] = length(&variant.rest.positions);
+        lengths[place] = variant.length;
         let places = held_places(&held, group.characters.len());
         let least = |(path, own): (usize, &f64)| {
             let rest = if path == place { &variant.rest } else { &group.component.rests[path] };

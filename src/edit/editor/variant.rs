@@ -34,6 +34,8 @@ pub struct Variant {
     pub character: usize,
     /// Rest path of the other track.
     pub rest: Arc<RestPath>,
+    /// Its length, metres.
+    pub(super) length: f64,
     /// Spatial rows of all constraints that name the character, in their order; paths are numbered as characters.
     pub(super) held: Vec<Prepared>,
     /// Temporal rows of these, likewise.
@@ -122,7 +124,8 @@ impl Editor {
         let starts = scene.characters[who].track.placed_runs().skip(1).map(|(_, start)| start);
         let seams = starts.collect();
         let carries = self.ties.moments(scene, character);
-        Variant { character: who, rest, held, times, constraints, seams, following, carries }
+        let length = length(&rest.positions);
+        Variant { character: who, rest, length, held, times, constraints, seams, following, carries }
     }
 
     /// How the paths of a character's group answer to changes of theirs, for any number of variants; `None` where that cannot
@@ -303,7 +306,7 @@ impl Editor {
     /// Ê of the variant's groups and all others as they are, summed in the order of [`Editor::solve`].
     pub(super) fn energy_with(&self, variant: &Variant, timing: &Timing, spaces: &[Space]) -> Energy {
         let mut extents = self.extents.clone();
-        extents[variant.character].length.0 = length(&variant.rest.positions);
+        extents[variant.character].length.0 = variant.length;
         for Space { group, lengths, .. } in spaces {
             for (character, length) in self.spatial[*group].characters.iter().zip(lengths) {
                 extents[*character].length.1 = *length;
