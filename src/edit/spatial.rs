@@ -174,8 +174,7 @@ impl SpatialComponent {
     }
 
     fn assembled(&self, released: &[(usize, usize)]) -> [PhaseSolver; 2] {
-        let paths = (self.rests.as_slice(), self.samplings.as_slice());
-        assemble_both(paths, &self.held, (&self.settings, self.backend), released)
+        assemble_both((&self.rests, &self.samplings), &self.held, (&self.settings, self.backend), released)
     }
 
     /// Goes over to the systems with the stretches `released`, which are kept once they are assembled.
@@ -283,8 +282,7 @@ impl SpatialComponent {
         if let Some((rows, miss)) = self.shape.contradiction() {
             return self.clash(&rows, miss).map(Some);
         }
-        let paths = (self.rests.as_slice(), self.samplings.as_slice());
-        let freedom = freedom(paths, Phase::Shape, &self.settings, &self.released);
+        let freedom = freedom((&self.rests, &self.samplings), Phase::Shape, &self.settings, &self.released);
         let solved = self.shape.solve(freedom, &self.settings);
         solved.map_err(|error| SpatialError::Solver(Phase::Shape, error))?;
         (self.energy.shape, self.energy.shape_soft) = self.shape.energies();
@@ -312,8 +310,7 @@ impl SpatialComponent {
         if let Some((rows, miss)) = self.scale.contradiction() {
             return self.clash(&rows, miss).map(Some);
         }
-        let paths = (self.rests.as_slice(), self.samplings.as_slice());
-        let freedom = freedom(paths, Phase::Scale, &self.settings, &self.released);
+        let freedom = freedom((&self.rests, &self.samplings), Phase::Scale, &self.settings, &self.released);
         let solved = self.scale.solve(freedom, &self.settings);
         solved.map_err(|error| SpatialError::Solver(Phase::Scale, error))?;
         if !self.lengths_only {
