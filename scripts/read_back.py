@@ -71,9 +71,9 @@ def between(track, frame):
 class Objects:
     """Places and facings of the objects that move, frame by frame, from the animation of a GLB file."""
 
-    TYPES = {"VEC3": 3, "VEC4": 4}
+    TYPES = {"SCALAR": 1, "VEC3": 3, "VEC4": 4}
 
-    def __init__(self, path):
+    def __init__(self, path, fps):
         data = path.read_bytes()
         length = int.from_bytes(data[12:16], "little")
         self.document = json.loads(data[20 : 20 + length])
@@ -84,7 +84,10 @@ class Objects:
                 target, sampler = channel["target"], animation["samplers"][channel["sampler"]]
                 name = self.document["nodes"][target["node"]].get("name")
                 if target["path"] in ("translation", "rotation"):
-                    self.tracks.setdefault((name, target["path"]), self.rows(sampler["output"]))
+                    # Keyframes are left out only between equal ones.
+                    keys = np.rint(self.rows(sampler["input"])[:, 0] * fps).astype(int)
+                    latest = np.searchsorted(keys, np.arange(keys[-1] + 1), side="right") - 1
+                    self.tracks.setdefault((name, target["path"]), self.rows(sampler["output"])[latest])
 
     def rows(self, index):
         accessor = self.document["accessors"][index]
@@ -138,7 +141,7 @@ class ReadBack:
         self.times = {moment["name"]: moment["time"] for moment in self.report["moments"]}
         self.passed = self.failed = self.unchecked = self.places = 0
         self.performers, self.sources = {}, {}
-        self.objects = Objects(folder / "scene.glb") if scene.get("object") else None
+        self.objects = Objects(folder / "scene.glb", self.report["fps"]) if scene.get("object") else None
         files = [name for name in self.report["files"] if name.endswith(".bvh")]
         for told, name in zip(self.report["characters"], files, strict=True):
             performer = Performer(folder / name)

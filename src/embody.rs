@@ -229,7 +229,8 @@ fn body(stage: &Stage<'_, Moved<'_>>, so_far: &SoFar<'_>, (who, clock): (Charact
     hold_fingers(stage, who, (&input.times, &mut input.moved));
     let mode = match scene.full_body.plants {
         Plants::AsCaptured => PlantMode::AsCaptured,
-        Plants::Pinned => PlantMode::Pinned,
+        Plants::Pinned { largest_turn: None } => PlantMode::PINNED,
+        Plants::Pinned { largest_turn: Some(largest_turn) } => PlantMode::Pinned { largest_turn },
     };
     let refined = refine(skeleton_of(scene, who), &input, mode);
     Body {

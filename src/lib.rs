@@ -53,6 +53,7 @@ pub mod reach;
 pub mod fingers;
 pub mod full_body;
 pub mod embody;
+pub mod physics;
 pub mod metrics;
 pub mod residual;
 pub mod relay;

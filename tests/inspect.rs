@@ -320,7 +320,8 @@ fn boxes_and_partners_are_drawn_with_who_is_near_them() {
     let parts = |svg: &str| svg.matches("<linearGradient").count();
     let with = |ahead: f64, partners: &[&Clip]| {
         let at = clip.root_positions[0].with_y(0.0) + glam::DVec3::new(0.0, 0.0, ahead);
-        let thing = StripThing { size: [0.3; 3], poses: vec![ObjectPose { position: at, facing: 0.0 }] };
+        let poses = vec![ObjectPose { position: at, facing: 0.0 }];
+        let thing = StripThing { size: [0.3; 3], poses, carriers: Vec::new() };
         strip_svg(
             &clip,
             &Company { things: &[thing], partners, ..Company::default() },
@@ -358,4 +359,24 @@ fn partners_who_are_tied_to_a_body_are_drawn_at_that_time() {
     assert_eq!(parts(&[StripTie { partner: 1, first, last }]), 2 * alone);
     let once = parts(&[StripTie { partner: 1, first, last: first }]);
     assert!(alone < once && once < alone + alone / 6, "at one of twelve poses: {alone} and {once}");
+}
+
+/// A box half a metre ahead whose carrier stands two metres off: nobody sees a box in the air.
+#[test]
+fn who_carries_a_box_is_drawn_with_it() {
+    let clip = generate("idle", &BTreeMap::new()).expect("a generated clip");
+    let mut away = clip.clone();
+    away.root_positions.iter_mut().for_each(|root| root.z += 2.0);
+    let (first, last) = clip.usable;
+    let with = |carriers: Vec<StripTie>| {
+        let at = clip.root_positions[0].with_y(1.0) + glam::DVec3::new(0.0, 0.0, 0.5);
+        let poses = vec![ObjectPose { position: at, facing: 0.0 }];
+        let things = [StripThing { size: [0.3; 3], poses, carriers }];
+        let partners = [&clip, &away];
+        let company = Company { things: &things, partners: &partners, own: Some(0), ties: &[] };
+        strip_svg(&clip, &company, &StripOptions::default()).matches("<linearGradient").count()
+    };
+    let bodies = strip_svg(&clip, &Company::default(), &StripOptions::default());
+    let bodies = bodies.matches("<linearGradient").count();
+    assert_eq!(with(vec![StripTie { partner: 1, first, last }]), with(Vec::new()) + bodies);
 }

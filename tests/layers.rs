@@ -88,6 +88,14 @@ fn one_module_names_the_graph_library() {
 }
 
 #[test]
+fn one_file_names_the_quadratic_solver() {
+    for path in files(&root().join("src")) {
+        let is_named = !used(&path, "clarabel::").is_empty();
+        assert_eq!(is_named, path.ends_with("src/physics/masses/qp.rs"), "{}", path.display());
+    }
+}
+
+#[test]
 fn only_the_rim_reads_writes_and_looks_at_the_clock() {
     let rim = [
         "src/scene",

@@ -2,20 +2,25 @@
 //! says so, and groups mean what they would mean written out.
 
 mod home;
+mod performed;
 #[path = "relays/written_out.rs"]
 mod written_out;
 
 use std::fs;
 use std::path::Path;
 
+use cotillion::constraint::{ConstraintKind, Target};
 use cotillion::discrete::outcome::Outcome;
 use cotillion::edit::Editor;
 use cotillion::embody::embody;
-use cotillion::export::report::report;
+use cotillion::export::report::{ConstraintReport, report};
+use cotillion::geometry::c64;
+use cotillion::path;
 use cotillion::relay::{self, Along, Disturbance, Relay};
 use cotillion::resample::resample;
-use cotillion::scene::{ClipFolders, Loaded, load_text};
+use cotillion::scene::{ClipFolders, Loaded, Scene, load_text};
 use home::{Home, cotillion, stderr, stdout, text};
+use performed::performed;
 use proptest::prelude::*;
 use written_out::written_out;
 
@@ -23,6 +28,16 @@ use written_out::written_out;
 const SPACE: f64 = 1e-3;
 /// Moments that are one agree to this, seconds.
 const TIME: f64 = 1e-9;
+
+/// Frames of several strides at 30 a second: what ten metres take.
+const STRIDES: i64 = 60;
+/// The end's pin is soft, but nothing pulls against it, metres.
+const REACHED: f64 = 0.05;
+
+/// That of `scenes/relay_78.toml`.
+fn spiral() -> Relay {
+    Relay { characters: 78, boxes: 8, seed: 1, ..small() }
+}
 
 fn small() -> Relay {
     Relay {
@@ -34,6 +49,7 @@ fn small() -> Relay {
         phase: 0.3,
         disturbances: Disturbance::ALL.to_vec(),
         discrete: false,
+        drag: None,
         seed: 4,
         along: Along::Spiral,
     }
@@ -148,13 +164,20 @@ fn every_hand_over_is_exact_in_space_and_time() {
     assert!(warnings.is_empty(), "{warnings:?}");
     let mut editor = Editor::new(scene).expect("a regular scene");
     editor.solve().expect("the constraints agree");
-    let solved = Outcome::plain(editor.into_parts());
+    assert_hand_overs_hold(&Outcome::plain(editor.into_parts()), (7, 5));
+}
+
+/// Hands are on boxes, takers stand before givers, and moments are one, on finished bodies. `carries`, `hand_overs`: how many
+/// there are at least.
+fn assert_hand_overs_hold(solved: &Outcome, (carries, hand_overs): (usize, usize)) {
     let mut motion = resample(&solved.scene, &solved.edit).expect("a short result");
     let bodies = embody(&solved.scene, &solved.edit, &mut motion);
-    let told = report(&bodies, &solved, &motion);
-    let count = |kind: &str| told.constraints.iter().filter(|one| one.kind == kind).count();
-    assert_eq!(count("carry"), 7, "six carriers, one of them twice");
-    assert!(count("sync") >= 5, "five hand-overs");
+    let told = report(&bodies, solved, &motion);
+    let count = |wanted: &dyn Fn(&ConstraintReport) -> bool| {
+        told.constraints.iter().filter(|one| wanted(one)).count()
+    };
+    assert!(count(&|one| one.kind == "carry") >= carries, "every box is carried");
+    assert_eq!(count(&|one| one.name.starts_with("hand-over")), hand_overs);
     for one in &told.constraints {
         let hard = one.kind == "carry" || one.kind == "end_effector" || one.name.contains("before carrier");
         let limit = if one.kind == "sync" || one.kind == "time" { TIME } else { SPACE };
@@ -162,6 +185,58 @@ fn every_hand_over_is_exact_in_space_and_time() {
             assert!(one.residual.abs() <= limit, "{}: {}", one.name, one.residual);
         }
     }
+}
+
+/// A scene dragged as its file says; its end after that.
+fn dragged(scene: Scene) -> (Outcome, c64) {
+    let outcome = performed(scene).expect("the drag ends");
+    let end = outcome.scene.constraints.iter().find(|one| one.name == "the end").expect("the end is pinned");
+    let moment = end.kind.moments()[0].clone();
+    let who = moment.character.as_usize();
+    let place = path::at(&outcome.edit.characters[who].positions, outcome.scene.frame_of(&moment));
+    (outcome, place)
+}
+
+/// Working frames that came, and that went.
+fn came_and_went(outcome: &Outcome) -> (i64, i64) {
+    let sum = |came: bool| outcome.log.iter().map(|one| one.frames).filter(|own| (*own > 0) == came).sum();
+    (sum(true), sum(false))
+}
+
+#[test]
+fn the_end_of_the_spiral_of_78_dragged_by_ten_metres_adds_steps_and_keeps_every_hand_over() {
+    let scene = load(&written(&Relay { discrete: true, drag: Some(10.0), ..spiral() })).scene;
+    let Target::Position(to) = scene.drags[0].targets[0].1 else { panic!("a point") };
+    let (outcome, end) = dragged(scene);
+    let (came, _) = came_and_went(&outcome);
+    assert!(came >= STRIDES, "{came} frames came");
+    assert!((end - to).norm() < REACHED, "the end is {} m off", (end - to).norm());
+    assert_hand_overs_hold(&outcome, (40 + 7, 39));
+}
+
+#[test]
+fn an_end_dragged_back_loses_steps_and_keeps_every_hand_over() {
+    let asked = Relay {
+        discrete: true,
+        drag: Some(6.0),
+        spacing: Some(12.0),
+        boxes: 1,
+        along: Along::Line,
+        ..small()
+    };
+    let mut scene = load(&written(&asked)).scene;
+    // Back, by as much as the file says on.
+    let (id, Target::Position(on)) = scene.drags[0].targets[0] else { panic!("a point") };
+    let ConstraintKind::Pin { position: Some(from), .. } = scene.constraints[id.as_usize()].kind else {
+        panic!("a pin")
+    };
+    let back = from - (on - from);
+    scene.drags[0].targets[0].1 = Target::Position(back);
+    let (outcome, end) = dragged(scene);
+    let (_, went) = came_and_went(&outcome);
+    assert!(went <= -STRIDES, "{went} frames went");
+    assert!((end - back).norm() < REACHED, "the end is {} m off", (end - back).norm());
+    assert_hand_overs_hold(&outcome, (6, 5));
 }
 
 #[test]
@@ -201,7 +276,7 @@ proptest! {
         (seed, curve) in (any::<u64>(), 0_usize..5),
         how in prop::sample::subsequence(Disturbance::ALL.to_vec(), 0..=3),
         corners in prop::collection::vec((-30.0..30.0_f64, -30.0..30.0_f64), 0..5),
-        discrete in any::<bool>(),
+        (discrete, drag) in (any::<bool>(), prop::option::of(-1.0..20.0_f64)),
     ) {
         let points = corners.into_iter().map(|(x, y)| cotillion::geometry::c64::new(x, y)).collect();
         let along = match curve {
@@ -212,7 +287,8 @@ proptest! {
             _ => Along::Drawing(points),
         };
         let asked = Relay {
-            characters, disturbers, boxes, spacing, heights: (short, tall), phase, disturbances: how, discrete, seed, along,
+            characters, disturbers, boxes, spacing, heights: (short, tall), phase, disturbances: how, discrete, drag,
+            seed, along,
         };
         match relay::relay(&asked, "a test") {
             Ok(scene) => {

@@ -15,7 +15,7 @@ use cotillion::edit::Editor;
 use cotillion::embody::{Embodied, embody};
 use cotillion::export::bvh::BvhOptions;
 use cotillion::export::report::{RestEdited, report};
-use cotillion::export::scene::scene_files;
+use cotillion::export::scene::{ANIMATED, animation, scene_files};
 use cotillion::index::{CharacterId, JointId};
 use cotillion::object::hand_overs;
 use cotillion::object_motion::{Performance, moment_time, object_motions, skeleton_of};
@@ -91,6 +91,7 @@ fn holds(path: &Path, folders: &ClipFolders) -> Result<(), Failed> {
     }
     let stem = path.file_stem().unwrap_or_default().to_string_lossy();
     shown(&format!("{stem}.svg"), "scene.svg", &files)?;
+    shown(&format!("{stem}_animated.svg"), ANIMATED, &files)?;
     shown(&format!("{stem}_before.svg"), "before.svg", &files)
 }
 
@@ -162,6 +163,7 @@ fn edited(scene: &Scene) -> Result<Vec<(String, Vec<u8>)>, Failed> {
     let before = (!scene.drags.is_empty()).then_some((&outcome.original, rest));
     Ok(scene_files((scene, edit), before, &resampled, &BvhOptions::default())
         .into_iter()
+        .chain([animation((scene, edit))])
         .map(|file| (file.name, file.bytes))
         .collect())
 }

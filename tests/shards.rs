@@ -11,6 +11,11 @@ use serde_json::Value;
 /// More than come in one part.
 const CROWD: usize = 230;
 
+/// Of whom hundreds of files are written while the signal comes.
+const THOUSAND: usize = 1000;
+/// Who is told to end ends before anybody notices.
+const AT_ONCE: Duration = Duration::from_millis(200);
+
 fn cotillion(arguments: &[&str], folder: &Path) -> Output {
     let mut command = Command::new(env!("CARGO_BIN_EXE_cotillion"));
     command.args(arguments).current_dir(folder).output().expect("the program runs")
@@ -120,7 +125,7 @@ fn parts_change_nothing_of_a_character() {
 #[test]
 fn who_is_interrupted_leaves_nothing() {
     let home = tempfile::tempdir().expect("a temporary folder");
-    fs::write(home.path().join("crowd.toml"), crowd(CROWD)).expect("a file");
+    fs::write(home.path().join("crowd.toml"), crowd(THOUSAND)).expect("a file");
     let mut running = Command::new(env!("CARGO_BIN_EXE_cotillion"))
         .args(["run", "crowd.toml", "--quiet", "--bvh-files", "-o", "deep/result"])
         .current_dir(home.path())
@@ -129,12 +134,17 @@ fn who_is_interrupted_leaves_nothing() {
         .expect("the program runs");
     let folder = home.path().join("deep/result");
     let patience = Instant::now() + Duration::from_secs(60);
-    let is_writing = || fs::read_dir(&folder).is_ok_and(|mut entries| entries.next().is_some());
+    // Files are put aside in a folder of their own: some are there, and most are not.
+    let aside = || fs::read_dir(&folder).ok()?.flatten().next().map(|entry| entry.path());
+    let is_writing =
+        || aside().and_then(|aside| fs::read_dir(aside).ok()).is_some_and(|files| files.count() > 3);
     while !is_writing() && Instant::now() < patience && running.try_wait().expect("a child").is_none() {
         std::thread::sleep(Duration::from_millis(1));
     }
     let told = Command::new("kill").args(["-INT", &running.id().to_string()]).status().expect("a signal");
+    let since = Instant::now();
     let status = running.wait().expect("it ends");
+    assert!(since.elapsed() < AT_ONCE, "it took {:?}", since.elapsed());
     assert!(told.success(), "it was still running");
     assert_eq!(status.code(), Some(130));
     assert!(!home.path().join("deep").exists(), "nothing is left");

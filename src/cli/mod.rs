@@ -83,6 +83,9 @@ struct RunArgs {
     /// Also write the picture as PNG.
     #[arg(long)]
     png: bool,
+    /// Also draw the scene from above in motion (scene_animated.svg).
+    #[arg(long)]
+    animate: bool,
     /// Also draw poses of every character side by side, from the side and from above.
     #[arg(long)]
     strip: bool,
@@ -216,6 +219,8 @@ enum Failure {
     Unsatisfiable,
     /// Wrong usage or bad input.
     BadInput,
+    /// Given up on Ctrl-C: the program ends whether the handler of signals or this comes first.
+    Interrupted,
     /// Part of a benchmark could not be measured.
     CaseFailed,
 }
@@ -237,6 +242,7 @@ pub(crate) fn main() -> ExitCode {
         Ok(()) => ExitCode::SUCCESS,
         Err(Failure::Unsatisfiable | Failure::CaseFailed) => ExitCode::from(1),
         Err(Failure::BadInput) => ExitCode::from(2),
+        Err(Failure::Interrupted) => ExitCode::from(interrupt::INTERRUPTED),
     }
 }
 

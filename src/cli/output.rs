@@ -142,8 +142,11 @@ impl Output {
         Failure::BadInput
     }
 
-    /// Tells that a file could not be written.
+    /// Tells that a file could not be written, unless that is because the result was given up.
     pub(crate) fn unwritable(&self, path: &Path, error: &std::io::Error) -> Failure {
+        if error.kind() == std::io::ErrorKind::Interrupted {
+            return Failure::Interrupted;
+        }
         self.errors(&[PlainError {
             file: path.display().to_string(),
             line: 0,

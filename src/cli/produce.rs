@@ -10,7 +10,7 @@ use cotillion::export::files::{OutputFile, Staging, WriteError};
 use cotillion::export::parts::{MANY, Part, parts};
 use cotillion::export::picture::to_png;
 use cotillion::export::report::{PartReport, Report, Setting, Timing, is_told, part_report, whole_report};
-use cotillion::export::scene::{names, part_files, pictures};
+use cotillion::export::scene::{animation, names, part_files, pictures};
 use cotillion::export::shards::{Shard, shard_report};
 use cotillion::export::strips::strip_files;
 use cotillion::index::CharacterId;
@@ -89,6 +89,11 @@ pub(crate) fn produce(
         let before = order.before.map(|before| (&solved.original, before));
         let drawn = timed(&mut timing.export, || pictures((scene, edit), before));
         files.extend(maker.keep(drawn, timing)?);
+        if order.args.animate {
+            let drawn = timed(&mut timing.export, || animation((scene, edit)));
+            staging.add(&drawn)?;
+            files.push(drawn.name);
+        }
     }
     let beside = maker.stances_beside(&parts, &told, timing)?;
     told.stances.extend(beside);

@@ -43,6 +43,9 @@ pub(crate) struct RelayArgs {
     /// Let steps come and go when the scene is dragged ([discrete]).
     #[arg(long)]
     discrete: bool,
+    /// Drag the end on by so many metres, straight ahead of the last carrier ([[drag]]); best with --discrete.
+    #[arg(long, value_name = "METRES", allow_negative_numbers = true)]
+    drag: Option<f64>,
     /// Of all that is left to chance: who is how tall, who waits and who comes, who disturbs how.
     #[arg(long, default_value_t = 1)]
     seed: u64,
@@ -127,6 +130,7 @@ fn asked(args: &RelayArgs) -> Result<Relay, PlainError> {
         phase: args.phase,
         disturbances,
         discrete: args.discrete,
+        drag: args.drag,
         seed: args.seed,
         along: along(&args.along)?,
     })
@@ -207,6 +211,9 @@ fn command(args: &RelayArgs, asked: &Relay) -> String {
     text += &format!(" --heights {}..{} --phase {}", asked.heights.0, asked.heights.1, asked.phase);
     if asked.discrete {
         text += " --discrete";
+    }
+    if let Some(metres) = asked.drag {
+        text += &format!(" --drag {metres}");
     }
     text + &format!(" --seed {}", asked.seed)
 }

@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use cotillion::export::body_report::{FullBodyReport, ShortfallReport};
+use cotillion::export::parts::MANY;
 use cotillion::export::report::{CharacterReport, ConstraintReport, Report, RestEdited};
 
 /// Springs that give by less are not told of, in the unit of what they hold; nor are plants that drift by less, metres.
@@ -13,8 +14,15 @@ const EXACT: f64 = 1e-3;
 /// Where fewer contacts are held, it is told: feet that stand still give up a third where they land and roll off.
 const FEW: f64 = 0.5;
 
+/// Where there are more than 200 characters, so many of what does not hold are named, the worst first.
+const NAMED: usize = 5;
+
 /// A few lines for people.
 pub(crate) fn summary(report: &Report, folder: &Path) -> String {
+    let files = format!("{} files in {}\n", report.files.len() + 1, folder.display());
+    if report.characters.len() > MANY {
+        return of_many(report) + &files;
+    }
     let mut text = String::new();
     for character in &report.characters {
         text += &format!(
@@ -34,11 +42,74 @@ pub(crate) fn summary(report: &Report, folder: &Path) -> String {
             text += &body_lines(character, body);
         }
     }
-    text.extend(report.constraints.iter().flat_map(missed));
+    text.extend(report.constraints.iter().flat_map(missed).map(|(_, line)| line));
     for note in &report.notes {
         text += &format!("note: {note}\n");
     }
-    text + &format!("{} files in {}\n", report.files.len() + 1, folder.display())
+    text + &files
+}
+
+/// Counts and sums, and the worst of each kind by name.
+fn of_many(report: &Report) -> String {
+    let all = &report.characters;
+    let sum = |metres: fn(&CharacterReport) -> f64| all.iter().map(metres).sum::<f64>();
+    let frames: usize = all.iter().map(|own| own.frames_out).sum();
+    let mut text = format!(
+        "{} characters: paths {:.0} m → {:.0} m together   {:.0} s in {frames} frames\n",
+        all.len(),
+        sum(|own| own.path_length.rest),
+        sum(|own| own.path_length.edited),
+        sum(|own| own.seconds),
+    );
+    text += &extremes(all);
+    let changed = || all.iter().filter(|own| !own.discrete.is_empty());
+    if changed().next().is_some() {
+        let changes: usize = changed().map(|own| own.discrete.len()).sum();
+        text += &format!("{} characters have {changes} discrete changes\n", changed().count());
+    }
+    let bodies = all.iter().filter_map(|own| Some((own, own.full_body.as_ref()?)));
+    let short = bodies.flat_map(|(own, body)| {
+        let lines = body_lines(own, body);
+        let worst = body.shortfalls.iter().map(|short| short.metres).fold(0.0, f64::max);
+        lines.lines().map(|line| (worst, format!("{line}\n"))).collect::<Vec<_>>()
+    });
+    text += &worst(short.collect(), "lines about bodies");
+    text += &worst(report.constraints.iter().flat_map(missed).collect(), "lines about constraints");
+    let notes = report.notes.iter().map(|note| (0.0, format!("note: {note}\n")));
+    text + &worst(notes.collect(), "notes")
+}
+
+/// Whose path changes its length most, and whose time steps do.
+fn extremes(all: &[CharacterReport]) -> String {
+    let ratio = |own: &CharacterReport| own.path_length.edited / own.path_length.rest;
+    let moves = |own: &&CharacterReport| own.path_length.rest > 1.0;
+    let by = |a: &&CharacterReport, b: &&CharacterReport| ratio(a).total_cmp(&ratio(b));
+    let mut text = String::new();
+    if let (Some(least), Some(most)) =
+        (all.iter().filter(moves).min_by(by), all.iter().filter(moves).max_by(by))
+    {
+        let [shortest, longest] = [least, most].map(|own| format!("×{:.2} ({})", ratio(own), own.name));
+        text += &format!("lengths of paths {shortest} to {longest}\n");
+    }
+    let quickest = all.iter().min_by(|a, b| a.time_step.min.total_cmp(&b.time_step.min));
+    let slowest = all.iter().max_by(|a, b| a.time_step.max.total_cmp(&b.time_step.max));
+    if let (Some(quickest), Some(slowest)) = (quickest, slowest) {
+        text += &format!(
+            "time steps ×{:.2} ({}) to ×{:.2} ({})\n",
+            quickest.time_step.min, quickest.name, slowest.time_step.max, slowest.name
+        );
+    }
+    text
+}
+
+/// The worst of some lines, each with how bad it is, and how many more there are.
+fn worst(mut lines: Vec<(f64, String)>, what: &str) -> String {
+    lines.sort_by(|a, b| b.0.total_cmp(&a.0));
+    let mut text: String = lines.iter().take(NAMED).map(|(_, line)| line.as_str()).collect();
+    if lines.len() > NAMED {
+        text += &format!("… and {} more {what}: see report.json\n", lines.len() - NAMED);
+    }
+    text
 }
 
 /// What discrete changes did to a character's track, if there were any.
@@ -60,8 +131,8 @@ fn changed(character: &CharacterReport) -> Option<String> {
     ))
 }
 
-/// What of a constraint does not hold on the result, a line each.
-fn missed(constraint: &ConstraintReport) -> Vec<String> {
+/// What of a constraint does not hold on the result: by how much, a line each.
+fn missed(constraint: &ConstraintReport) -> Vec<(f64, String)> {
     let hard = constraint.strength == "hard";
     let told = if hard || constraint.shortfall.is_some() { EXACT } else { TOLD };
     let how = match constraint.path_residual {
@@ -71,10 +142,11 @@ fn missed(constraint: &ConstraintReport) -> Vec<String> {
     let name = if hard { format!("{} (hard)", constraint.name) } else { constraint.name.clone() };
     let mut lines = Vec::new();
     if constraint.residual > told {
-        lines.push(format!("{name} is off by {:.3} {}{how}\n", constraint.residual, constraint.unit));
+        let line = format!("{name} is off by {:.3} {}{how}\n", constraint.residual, constraint.unit);
+        lines.push((constraint.residual, line));
     }
     let facing = constraint.facing_residual.filter(|off| hard && *off > EXACT && constraint.unit != "deg");
-    lines.extend(facing.map(|off| format!("{name} is turned off by {off:.3} deg\n")));
+    lines.extend(facing.map(|off| (off.to_radians(), format!("{name} is turned off by {off:.3} deg\n"))));
     lines
 }
 

@@ -91,7 +91,7 @@ fn bearing_points(skeleton: &Skeleton) -> Vec<BodyPoint> {
 }
 
 /// All joints but the feet, what hangs on them, and helpers.
-fn other_joints(skeleton: &Skeleton) -> Vec<BodyPoint> {
+pub(crate) fn other_joints(skeleton: &Skeleton) -> Vec<BodyPoint> {
     let mut of_foot: Vec<bool> = Vec::with_capacity(skeleton.joints.len());
     for joint in &skeleton.joints {
         let is_foot = matches!(joint.role, Some(JointRole::LeftFoot | JointRole::RightFoot));

@@ -28,6 +28,21 @@ pub struct DirectPhase {
     hard_targets: Vec<c64>,
 }
 
+/// A phase as the problem of all frames, with its targets and what came of them: for other solvers to be compared with.
+#[derive(Clone, Copy, Debug)]
+pub struct FrameProblem<'a> {
+    /// `min ½‖M x − m‖²` subject to `H x = h`, x: deviations from rest of the free frames.
+    pub problem: &'a LeastSquares<c64>,
+    /// m.
+    pub soft_targets: &'a [c64],
+    /// h.
+    pub hard_targets: &'a [c64],
+    /// x of the last solve.
+    pub solution: &'a [c64],
+    /// How many of the rows of `H` are not of constraints but fix motions that nothing else holds.
+    pub gauges: usize,
+}
+
 /// In which numbers a system is factored.
 enum Factored {
     Complex(Factor<c64>, Workspace<c64>),
@@ -129,6 +144,17 @@ impl DirectPhase {
     /// Calls `visit` with every frame of a path and its deviation.
     pub fn visit(&self, path: usize, mut visit: impl FnMut(usize, c64)) {
         self.columns.points(path, &self.x).enumerate().for_each(|(frame, x)| visit(frame, x));
+    }
+
+    /// The problem, as last solved.
+    pub fn frame_problem(&self) -> FrameProblem<'_> {
+        FrameProblem {
+            problem: &self.problem,
+            soft_targets: &self.soft_targets,
+            hard_targets: &self.hard_targets,
+            solution: &self.x,
+            gauges: self.gauges,
+        }
     }
 
     /// Energies of the interior rows and of the soft held rows.

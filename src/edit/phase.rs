@@ -9,7 +9,7 @@ use cotillion_solvers::{Dependency, Effort, KktError, PathResponse, PointRow, Ro
 
 use crate::constraint::Strength;
 use crate::edit::columns::{Columns, Freedom};
-use crate::edit::direct::DirectPhase;
+use crate::edit::direct::{DirectPhase, FrameProblem};
 use crate::edit::hold::{Prepared, Term};
 use crate::edit::reduced::ReducedPhase;
 use crate::edit::settings::{Backend, RunMode, SpatialSettings};
@@ -190,6 +190,11 @@ impl PhaseSolver {
             (_, Some(direct)) => direct.energies(),
             _ => (0.0, 0.0),
         }
+    }
+
+    /// The problem of all frames as last solved, where that is what is solved ([`Backend::Direct`]).
+    pub fn frame_problem(&self) -> Option<FrameProblem<'_>> {
+        self.direct.as_ref().filter(|_| self.answer != Backend::Reduced).map(|direct| direct.frame_problem())
     }
 
     /// How path `path` answers to changes of itself; `None` where there is no reduced system, or motions are free.

@@ -5,6 +5,7 @@ use std::fs;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::time::Duration;
 
 use tempfile::{NamedTempFile, TempDir};
 
@@ -103,9 +104,7 @@ impl Staging {
             made.write_all(&file.bytes)?;
             made.sync_all()
         });
-        written.map_err(failed(&self.folder.join(&file.name)))?;
-        self.keep(&file.name);
-        Ok(())
+        self.keep(&file.name, written)
     }
 
     /// Adds a file that lies elsewhere already: linked where both places are on one disk, else copied.
@@ -114,11 +113,8 @@ impl Staging {
     /// [`WriteError`] where it cannot be read, or not be written.
     pub fn copy(&self, from: &Path, name: &str) -> Result<(), WriteError> {
         let aside = self.aside(name)?;
-        if fs::hard_link(from, &aside).is_err() {
-            fs::copy(from, &aside).map_err(failed(from))?;
-        }
-        self.keep(name);
-        Ok(())
+        let copied = fs::hard_link(from, &aside).or_else(|_| fs::copy(from, &aside).map(|_| ()));
+        self.keep(name, copied)
     }
 
     /// Where a file of this name is put until it gets its name.
@@ -128,14 +124,17 @@ impl Staging {
             return Err(failed(&path)(io::Error::new(io::ErrorKind::IsADirectory, "a folder has this name")));
         }
         let aside = self.pending.lock().as_ref().map(|prepared| prepared.aside.path().join(name));
-        let given_up = || io::Error::new(io::ErrorKind::Interrupted, "the result is given up");
         aside.ok_or_else(|| failed(&path)(given_up()))
     }
 
-    fn keep(&self, name: &str) {
-        if let Some(prepared) = self.pending.lock().as_mut() {
-            prepared.names.push(name.to_owned());
-        }
+    /// Takes note of a file that was written, unless it was not, or the result was given up meanwhile.
+    fn keep(&self, name: &str, written: io::Result<()>) -> Result<(), WriteError> {
+        let path = self.folder.join(name);
+        let mut pending = self.pending.lock();
+        let prepared = pending.as_mut().ok_or_else(|| failed(&path)(given_up()))?;
+        written.map_err(failed(&path))?;
+        prepared.names.push(name.to_owned());
+        Ok(())
     }
 
     /// Gives all files their names.
@@ -145,8 +144,7 @@ impl Staging {
     pub fn commit(self) -> Result<(), WriteError> {
         let mut pending = self.pending.lock();
         let Some(prepared) = pending.as_mut() else {
-            let error = io::Error::new(io::ErrorKind::Interrupted, "the result is given up");
-            return Err(failed(&self.folder)(error));
+            return Err(failed(&self.folder)(given_up()));
         };
         for name in &prepared.names {
             let path = self.folder.join(name);
@@ -172,11 +170,30 @@ impl Pending {
     /// Removes all that was written for the result in `folder` and the folders that were made for it, unless it is complete.
     pub fn abandon(&self, folder: &Path) {
         if let Some(Prepared { aside, fresh, .. }) = self.lock().take() {
-            drop(aside);
+            remove(aside);
             // The folders are ours and empty; one that is not stays, which is right.
             fresh.inspect(|fresh| remove_empty(folder, fresh));
         }
     }
+}
+
+/// Removes a folder, and what somebody may just be putting into it: one file at most, as the next finds the result given up.
+fn remove(aside: TempDir) {
+    let path = aside.keep();
+    for _ in 0..REMOVALS {
+        if fs::remove_dir_all(&path).is_ok() || !path.exists() {
+            return;
+        }
+        std::thread::sleep(Duration::from_millis(1));
+    }
+}
+
+/// So often a folder is removed that is still being written to.
+const REMOVALS: u32 = 50;
+
+/// No other error is of this kind, as interrupted calls go on.
+fn given_up() -> io::Error {
+    io::Error::new(io::ErrorKind::Interrupted, "the result is given up")
 }
 
 /// Writes one file beside its final name and renames it.

@@ -20,6 +20,23 @@ pub(super) fn colour(index: usize) -> [u8; 3] {
     HUES[index % HUES.len()].map(|channel| scaled(channel, shade))
 }
 
+/// sRGB of a share from 0 to 1 of something that goes on, such as time: hues that follow each other, all dark enough for thin
+/// lines on white.
+pub(super) fn ramp(share: f64) -> [f64; 3] {
+    const STOPS: [[f64; 3]; 6] = [
+        [70.0, 30.0, 120.0],
+        [40.0, 90.0, 175.0],
+        [0.0, 140.0, 140.0],
+        [80.0, 150.0, 40.0],
+        [205.0, 140.0, 0.0],
+        [200.0, 50.0, 40.0],
+    ];
+    let at = share.clamp(0.0, 1.0) * (STOPS.len() - 1) as f64;
+    let stop = (0..STOPS.len() - 1).rev().find(|stop| at >= *stop as f64).unwrap_or(0);
+    let between = at - stop as f64;
+    std::array::from_fn(|k| STOPS[stop][k] + between * (STOPS[stop + 1][k] - STOPS[stop][k]))
+}
+
 /// A channel made darker.
 #[expect(
     clippy::cast_possible_truncation,

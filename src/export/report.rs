@@ -111,7 +111,8 @@ pub struct ObjectReport {
     pub name: String,
     /// Ground length of its way, metres.
     pub path_length: f64,
-    /// Where it is every tenth of a second and at the last output frame; once, if it stands still.
+    /// Where it is every tenth of a second and at the last output frame, but where it stays: then from when and until when;
+    /// once, if it never moves.
     pub path: Vec<ObjectPlace>,
     /// Who has it from when to when, without gap from the first output frame to the last.
     pub owners: Vec<OwnerReport>,
@@ -306,8 +307,19 @@ fn object_report(moved: &Moved<'_>, motion: &ObjectMotion, (start, frames): (f64
             .filter(|(_, from, to)| from < to)
             .map(|(span, from, to)| owner_report(scene, &span.owner, (from, to)))
             .collect(),
-        path,
+        path: without_stays(path),
     }
+}
+
+/// The places without those between equal ones.
+fn without_stays(path: Vec<ObjectPlace>) -> Vec<ObjectPlace> {
+    let same = |a: &ObjectPlace, b: &ObjectPlace| {
+        (a.position, a.height, a.facing) == (b.position, b.height, b.facing)
+    };
+    let stays = |k: usize| {
+        k > 0 && k + 1 < path.len() && same(&path[k - 1], &path[k]) && same(&path[k], &path[k + 1])
+    };
+    (0..path.len()).filter(|k| !stays(*k)).map(|k| path[k]).collect()
 }
 
 fn owner_report(scene: &Scene, owner: &Owner, (from, to): (f64, f64)) -> OwnerReport {

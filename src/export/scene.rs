@@ -11,7 +11,7 @@ use crate::export::files::{OutputFile, file_names};
 use crate::export::gltf::{GlbObject, GlbScene, Performer, to_glb};
 use crate::export::parts::Part;
 use crate::export::picture::{
-    Actor, Handle, Picture, PictureObject, Tie, extent_of, to_svg, to_svg_covering,
+    Actor, Handle, Picture, PictureObject, Tie, animated_svg, extent_of, to_svg, to_svg_covering,
 };
 use crate::geometry::c64;
 use crate::index::{CharacterId, ObjectId, floor_index};
@@ -21,8 +21,8 @@ use crate::path;
 use crate::resample::{Resampled, time_of};
 use crate::scene::{Character, Scene};
 
-/// Poses of an object's way in a picture, at most.
-const MOST_DRAWN: usize = 20_000;
+/// Poses of an object's way in a picture, at most, and of all objects together.
+const MOST_DRAWN: (usize, usize) = (20_000, 4_000_000);
 
 /// A scene and its edit.
 pub type Edited<'a> = (&'a Scene, &'a Edit);
@@ -97,6 +97,16 @@ pub fn pictures(after: Edited<'_>, before: Option<Edited<'_>>) -> Vec<OutputFile
     ]
 }
 
+/// Name of the picture in motion.
+pub const ANIMATED: &str = "scene_animated.svg";
+
+/// The picture in motion.
+pub fn animation(after: Edited<'_>) -> OutputFile {
+    let headings = headings(after.1);
+    let svg = animated_svg(&picture(after, None, &headings));
+    OutputFile { name: ANIMATED.to_owned(), bytes: svg.into_bytes() }
+}
+
 /// Picture of an edited scene: paths from above, and time tracks; from where pins were dragged, if it was so in `before`.
 fn picture<'a>((scene, edit): Edited<'a>, before: Option<&Scene>, headings: &'a [Vec<f64>]) -> Picture<'a> {
     let actors = scene.characters.iter().zip(&edit.characters).zip(headings);
@@ -114,6 +124,7 @@ fn picture<'a>((scene, edit): Edited<'a>, before: Option<&Scene>, headings: &'a 
         objects: objects.collect(),
         handles: scene.constraints.iter().enumerate().flat_map(held).collect(),
         ties: scene.constraints.iter().flat_map(|constraint| ties(scene, edit, constraint)).collect(),
+        clock: clock(&moved),
     }
 }
 
@@ -150,13 +161,19 @@ fn picture_object<'a>(moved: &Moved<'a>, motion: &ObjectMotion) -> PictureObject
     PictureObject { name: &object.name, size: object.size, poses, grasped, released }
 }
 
-/// From the first to the last frame of anybody, a working step apart.
-fn drawn_times(moved: &Moved<'_>) -> impl Iterator<Item = f64> {
+/// First and last time of anybody, and of the clock.
+fn clock(moved: &Moved<'_>) -> (f64, f64) {
     let ends = moved.scene.characters.iter().zip(moved.characters);
-    let (first, last) = ends.fold((0.0_f64, 0.0_f64), |(first, last), (character, edited)| {
+    ends.fold((0.0_f64, 0.0_f64), |(first, last), (character, edited)| {
         (first.min(edited.times[0]), last.max(edited.end_time(&character.track)))
-    });
-    let steps = floor_index((last - first) / WORKING_STEP).min(MOST_DRAWN);
+    })
+}
+
+/// From the first to the last frame of anybody, a working step apart, or as many as there is room for.
+fn drawn_times(moved: &Moved<'_>) -> impl Iterator<Item = f64> {
+    let (first, last) = clock(moved);
+    let most = MOST_DRAWN.0.min(MOST_DRAWN.1 / moved.scene.objects.len().max(1));
+    let steps = floor_index((last - first) / WORKING_STEP).min(most);
     let step = (last - first) / steps.max(1) as f64;
     (0..=steps).map(move |k| first + k as f64 * step)
 }

@@ -7,7 +7,7 @@ use crate::effector::EndEffector;
 use crate::export::files::OutputFile;
 use crate::export::picture::{Company, StripOptions, StripThing, StripTie, StripView, strip_svg};
 use crate::export::scene::object_poses;
-use crate::index::{CharacterId, SourceFrame, floor_index};
+use crate::index::{CharacterId, ObjectId, SourceFrame, floor_index};
 use crate::object::{Carry, Object};
 use crate::object_motion::{ObjectMotion, object_motions};
 use crate::resample::{Resampled, time_of};
@@ -23,12 +23,13 @@ pub fn strip_files(scene: &Scene, edit: &Edit, resampled: &Resampled, names: &[S
     let ties: Vec<Vec<StripTie>> = resampled.members.iter().map(|who| shown.ties(*who)).collect();
     let moved = Moved { scene, characters: &edit.characters };
     let clock = || (0..resampled.frames).map(|k| resampled.start_time + k as f64 / scene.fps);
-    let thing = |(object, motion): (&Object, &ObjectMotion)| StripThing {
+    let thing = |(at, (object, motion)): (usize, (&Object, &ObjectMotion))| StripThing {
         size: object.size,
         poses: object_poses(&moved, motion, clock()),
+        carriers: shown.carriers(ObjectId::from_usize(at)),
     };
     let motions = object_motions(scene, &moved);
-    let things: Vec<StripThing> = scene.objects.iter().zip(&motions).map(thing).collect();
+    let things: Vec<StripThing> = scene.objects.iter().zip(&motions).enumerate().map(thing).collect();
     let partners: Vec<&Clip> = resampled.clips.iter().collect();
     let views = [("side", StripView::Side), ("above", StripView::Above)];
     let strips = views.into_iter().flat_map(|(word, view)| {
@@ -102,6 +103,16 @@ impl Shown<'_> {
         let (Some(first), Some(last)) = (own().min(), own().max()) else { return Vec::new() };
         let others = moments.iter().map(|moment| moment.character).filter(|other| *other != who);
         self.tied_to(others, (first, last))
+    }
+
+    /// Who has an object, and when.
+    fn carriers(&self, object: ObjectId) -> Vec<StripTie> {
+        let carries = self.scene.carries.iter().filter(|carry| carry.object == object);
+        let by = |carry: &Carry| {
+            let span = (self.frame_of(&carry.during.0), self.frame_of(&carry.during.1));
+            self.tied_to(carry.by.iter().copied(), span)
+        };
+        carries.flat_map(by).collect()
     }
 
     /// Those who carry with a character.

@@ -22,8 +22,6 @@ const FASTEST: f64 = 0.4;
 const SHORTEST: f64 = 2.0 / 30.0;
 /// Time in which the foot turns back as captured when heel or toe lift, seconds.
 pub const BLEND: f64 = 5.0 / 30.0;
-/// Nothing is held that would turn hip, knee or ankle farther than this, radians.
-pub const LARGEST_TURN: f64 = 0.084;
 /// Both points of a foot are as far from each other as this, metres.
 const EXACT: f64 = 1e-6;
 /// Points are held no farther above or below their captured median than this, metres.
@@ -45,17 +43,19 @@ pub struct Foot<'a> {
     pub toes: Vec<DVec3>,
     heel_costs: Vec<Least>,
     toe_costs: Vec<Least>,
+    /// Nothing is held that would turn hip, knee or ankle farther than this, radians.
+    pub largest_turn: f64,
 }
 
 impl<'a> Foot<'a> {
-    /// The foot of a leg. Cost: linear.
-    pub fn new(leg: &'a LegTrack) -> Self {
+    /// The foot of a leg, for the holding of which no joint may turn farther than `largest_turn`, radians. Cost: linear.
+    pub fn new(leg: &'a LegTrack, largest_turn: f64) -> Self {
         let places = &leg.rest;
         let heels: Vec<DVec3> = places.iter().map(|place| place.limb.lower).collect();
         let toes: Vec<DVec3> = places.iter().map(|place| place.end).collect();
         let heel_costs = places.iter().map(|place| least(place, DVec3::ZERO)).collect();
         let toe_costs = places.iter().map(|place| least(place, place.end - place.limb.lower)).collect();
-        Self { places, heels, toes, heel_costs, toe_costs }
+        Self { places, heels, toes, heel_costs, toe_costs, largest_turn }
     }
 
     /// What holds the toe alone at `place`: the shift of the ankle and the turn of the foot.
@@ -83,7 +83,7 @@ impl<'a> Foot<'a> {
 
     /// Whether no joint turns too far for it.
     pub fn affords(&self, at: usize, [shift, turn]: Displacement) -> bool {
-        largest_turn(&self.places[at], shift, turn) < LARGEST_TURN
+        largest_turn(&self.places[at], shift, turn) < self.largest_turn
     }
 }
 
@@ -192,8 +192,7 @@ impl Held {
 /// What of a foot can be held. Cost: linear in samples times the places that the foot stands on within one contact.
 pub fn held(times: &[f64], foot: &Foot, leg: &LegTrack) -> Held {
     let mut held = Held { heel: vec![None; times.len()], toe: vec![None; times.len()] };
-    let bears: Vec<bool> = leg.heel.iter().zip(&leg.toe).map(|(heel, toe)| *heel || *toe).collect();
-    for (first, last) in runs(&bears) {
+    for (first, last) in runs(&leg.bears()) {
         let step = Step { times, foot, leg, span: Span { first, last } };
         let [toe_first, heel_first] = [Sole::Toe, Sole::Heel].map(|sole| step.held(sole));
         let (sole, [own, others]) = if heel_first.worth > toe_first.worth {

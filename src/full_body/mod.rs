@@ -72,13 +72,21 @@ pub struct BodyInput {
 }
 
 /// How feet stand.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum PlantMode {
     /// As the capture has them, with its own small drift: an edit that changes nothing changes nothing.
     #[default]
     AsCaptured,
-    /// Perfectly still, at the points that turn the joints least.
-    Pinned,
+    /// Perfectly still, at the points that turn the joints least, and as long as that turns none too far.
+    Pinned {
+        /// How far hip, knee and ankle of the captured leg may turn for it, radians; above 0.
+        largest_turn: f64,
+    },
+}
+
+impl PlantMode {
+    /// Pinned where no joint turns by 5° for it.
+    pub const PINNED: Self = Self::Pinned { largest_turn: plan::GENTLE_TURN };
 }
 
 /// What [`refine`] makes of it.
@@ -111,7 +119,7 @@ pub fn refine(skeleton: &Skeleton, input: &BodyInput, mode: PlantMode) -> Refine
         PlantMode::AsCaptured => {
             posed(skeleton, input, limbs.iter().map(|limb| limb.leg(&input.times)).collect())
         }
-        PlantMode::Pinned => pinned(skeleton, input, &limbs),
+        PlantMode::Pinned { largest_turn } => pinned(skeleton, input, &limbs, largest_turn),
     };
     let planted = feet::planted(&legs, &input.contacts);
     let report = report::report(skeleton, input, (&legs, &planted), &poses);
@@ -119,8 +127,14 @@ pub fn refine(skeleton: &Skeleton, input: &BodyInput, mode: PlantMode) -> Refine
 }
 
 /// With feet held still, but for those by which the edit would make knees pop.
-fn pinned(skeleton: &Skeleton, input: &BodyInput, limbs: &[Limb]) -> (Vec<Leg>, Vec<Pose>) {
-    let mut feet: Vec<Still> = limbs.iter().map(|limb| Still::new(skeleton, input, limb)).collect();
+fn pinned(
+    skeleton: &Skeleton,
+    input: &BodyInput,
+    limbs: &[Limb],
+    largest_turn: f64,
+) -> (Vec<Leg>, Vec<Pose>) {
+    let still = |limb| Still::new(skeleton, input, limb, largest_turn);
+    let mut feet: Vec<Still> = limbs.iter().map(still).collect();
     let posed =
         |feet: &[Still]| posed(skeleton, input, feet.iter().map(|foot| foot.leg(&input.times)).collect());
     let (mut legs, mut poses) = posed(&feet);

@@ -1,15 +1,14 @@
 //! Feet held perfectly still: what that asks of the captured foot.
 //!
 //! A foot lands on its heel, comes down, and rolls off over its toe: its heel's contact lasts until the ankle is a hand's
-//! breadth up, and old captures drift by centimetres. Of each contact is held what can be without turning any joint by
-//! 5°, at places that turn the joints of the leg least: one point hands over to the other.
+//! breadth up, and old captures drift by centimetres. Of each contact is held what can be without turning any joint too
+//! far, at places that turn the joints of the leg least: one point hands over to the other.
 
 use glam::DVec3;
 
 use crate::clip::contacts::runs;
-use crate::full_body::chain::Place;
 use crate::full_body::fade::{Slopes, Span, fill};
-use crate::full_body::holding::{BLEND, Foot, Held, LARGEST_TURN, held};
+use crate::full_body::holding::{BLEND, Foot, Held, held};
 use crate::full_body::plants::{Displacement, LegTrack};
 use crate::full_body::turning::largest_turn;
 
@@ -31,15 +30,18 @@ pub struct Pins {
 pub struct Standing<'a> {
     times: &'a [f64],
     foot: Foot<'a>,
+    /// When heel or toe bears.
+    bears: Vec<bool>,
     held: Held,
 }
 
 impl<'a> Standing<'a> {
-    /// Finds what can be held. Cost: linear in samples times the places that a foot stands on within one contact.
-    pub fn new(times: &'a [f64], leg: &'a LegTrack) -> Self {
-        let foot = Foot::new(leg);
+    /// Finds what can be held while no joint turns farther than `largest_turn`, radians. Cost: linear in samples times the
+    /// places that a foot stands on within one contact.
+    pub fn new(times: &'a [f64], leg: &'a LegTrack, largest_turn: f64) -> Self {
+        let foot = Foot::new(leg, largest_turn);
         let held = held(times, &foot, leg);
-        Self { times, foot, held }
+        Self { times, foot, bears: leg.bears(), held }
     }
 
     /// What that asks of the captured foot. `fade`: seconds in which corrections vanish outside.
@@ -49,6 +51,26 @@ impl<'a> Standing<'a> {
             corrections: corrections(self.times, &self.foot, &self.held, fade),
             heel: is_held(&self.held.heel),
             toe: is_held(&self.held.toe),
+        }
+    }
+
+    /// How many points are held, summed over samples.
+    pub fn count(&self) -> usize {
+        let points = self.held.heel.iter().chain(&self.held.toe);
+        points.filter(|place| place.is_some()).count()
+    }
+
+    /// Takes over each step of which `other`, the same foot, holds more.
+    pub fn prefer(&mut self, other: &Self) {
+        for (first, last) in runs(&self.bears) {
+            let count = |held: &Held| {
+                let points = held.heel[first..=last].iter().chain(&held.toe[first..=last]);
+                points.filter(|place| place.is_some()).count()
+            };
+            if count(&other.held) > count(&self.held) {
+                self.held.heel[first..=last].copy_from_slice(&other.held.heel[first..=last]);
+                self.held.toe[first..=last].copy_from_slice(&other.held.toe[first..=last]);
+            }
         }
     }
 
@@ -89,7 +111,7 @@ fn corrections(times: &[f64], foot: &Foot, held: &Held, fade: f64) -> Vec<Displa
     let mut corrections: Vec<Displacement> =
         shifts.iter().zip(&turns).map(|(shift, turn)| [shift[0], turn[0]]).collect();
     for at in (0..times.len()).filter(|&at| !any[at]) {
-        corrections[at] = afforded(&foot.places[at], corrections[at]);
+        corrections[at] = afforded(foot, at, corrections[at]);
     }
     corrections
 }
@@ -118,16 +140,18 @@ fn turns(times: &[f64], foot: &Foot, held: &Held, any: &[bool]) -> Vec<[DVec3; 1
     turns
 }
 
-/// A displacement, or as much of it as turns no joint of the leg by more than [`LARGEST_TURN`]: a faded one is small, but a
+/// A displacement, or as much of it as turns no joint of the leg too far: a faded one is small, but a
 /// leg may be stretched straight there.
-fn afforded(place: &Place, [shift, turn]: Displacement) -> Displacement {
+fn afforded(foot: &Foot, at: usize, [shift, turn]: Displacement) -> Displacement {
+    let affords =
+        |share: f64| largest_turn(&foot.places[at], shift * share, turn * share) <= foot.largest_turn;
     let (mut afforded, mut refused) = (0.0, 1.0);
-    if largest_turn(place, shift, turn) <= LARGEST_TURN {
+    if affords(1.0) {
         return [shift, turn];
     }
     for _ in 0..HALVINGS {
         let middle = 0.5 * (afforded + refused);
-        if largest_turn(place, shift * middle, turn * middle) <= LARGEST_TURN {
+        if affords(middle) {
             afforded = middle;
         } else {
             refused = middle;

@@ -7,7 +7,6 @@ use crate::full_body::BodyInput;
 use crate::full_body::aim::{Mobility, solve};
 use crate::full_body::chain::{Chain, EndPose, Place, bearing_arms, legs};
 use crate::full_body::feet::{FADE, Leg, STRETCH, from_to};
-use crate::full_body::holding::LARGEST_TURN;
 use crate::full_body::pins::{Pins, Standing};
 use crate::full_body::plants::{Displacement, FEET, HANDS, LegTrack, Soles, bearing, plants};
 use crate::full_body::reach::{Demand, drops};
@@ -16,6 +15,9 @@ use crate::full_body::smooth::accelerations_over;
 use crate::geometry::log;
 use crate::index::JointId;
 use crate::skeleton::{Pose, Skeleton};
+
+/// Turns of which no less is tried, radians: just below 5°.
+pub const GENTLE_TURN: f64 = 0.084;
 
 /// Rounds in which what cannot be held still is let go.
 const RELEASES: usize = 30;
@@ -76,7 +78,7 @@ fn planned(times: &[f64], limb: &Limb, track: LegTrack) -> Leg {
         displacements: displacements(times, &track),
         corrections: None,
         aimed: vec![false; track.rest.len()],
-        bound: track.heel.iter().zip(&track.toe).map(|(heel, toe)| *heel || *toe).collect(),
+        bound: track.bears(),
         planted: [track.heel.clone(), track.toe.clone()],
         reaches: reaches(&track, None),
         mobility: limb.mobility,
@@ -99,6 +101,7 @@ pub struct Still<'a> {
     unedited: Leg,
     as_captured: Vec<Displacement>,
     tried: Vec<Tried>,
+    largest_turn: f64,
 }
 
 /// One sample of a captured leg with its foot held still.
@@ -110,16 +113,37 @@ struct Tried {
 }
 
 impl<'a> Still<'a> {
-    /// What of it can be held. Cost: linear in samples times the places that a foot stands on within one contact.
-    pub fn new(skeleton: &Skeleton, input: &'a BodyInput, limb: &'a Limb) -> Self {
+    /// What of it can be held while no joint turns farther than `largest_turn`, radians. Who may turn far jerks knees by it and
+    /// may hold less: it is tried with half of that, too, and so on down to [`GENTLE_TURN`], and each step is held as long as any
+    /// of them can. Cost: linear in samples times the places that a foot stands on within one contact, for each try.
+    pub fn new(skeleton: &Skeleton, input: &'a BodyInput, limb: &'a Limb, largest_turn: f64) -> Self {
+        let mut tries = vec![Self::within(skeleton, input, limb, largest_turn)];
+        let mut turn = largest_turn;
+        while turn > GENTLE_TURN {
+            turn = (0.5 * turn).max(GENTLE_TURN);
+            tries.push(Self::within(skeleton, input, limb, turn));
+        }
+        if tries.len() > 1 {
+            let mut joined = Self::within(skeleton, input, limb, largest_turn);
+            for gentler in &tries[1..] {
+                joined.standing.prefer(&gentler.standing);
+            }
+            joined.settle(skeleton, input);
+            tries.push(joined);
+        }
+        let most_held = tries.into_iter().max_by_key(|still| still.standing.count());
+        most_held.expect("tried at least once")
+    }
+
+    fn within(skeleton: &Skeleton, input: &'a BodyInput, limb: &'a Limb, largest_turn: f64) -> Self {
         let moved = places(skeleton, &limb.chain, &input.rest);
         let track = LegTrack { moved, ..limb.track.clone() };
         let unedited = planned(&input.times, limb, track);
         let as_captured = unedited.displacements.clone();
         let untried = |place: &Place| Tried { goal: None, place: *place, turns_too_far: false };
         let tried = unedited.track.moved.iter().map(untried).collect();
-        let mut still =
-            Self { limb, standing: Standing::new(&input.times, &limb.track), unedited, as_captured, tried };
+        let standing = Standing::new(&input.times, &limb.track, largest_turn);
+        let mut still = Self { limb, standing, unedited, as_captured, tried, largest_turn };
         still.settle(skeleton, input);
         still
     }
@@ -154,14 +178,14 @@ impl<'a> Still<'a> {
         }
     }
 
-    /// Where a joint of the captured leg turns farther than [`LARGEST_TURN`], its knee is jerked harder than captured, its foot
+    /// Where a joint of the captured leg turns too far, its knee is jerked harder than captured, its foot
     /// sinks, or the body had to come down. Cost: linear; poses are solved only where they are others than before.
     fn strained(&mut self, skeleton: &Skeleton, times: &[f64], rest: &[Pose]) -> Vec<bool> {
         let leg = &self.unedited;
         let still = vec![DVec3::ZERO; times.len()];
         for ((tried, goal), rest) in self.tried.iter_mut().zip(leg.goals(times, &still)).zip(rest) {
             if tried.goal != goal {
-                *tried = retried(skeleton, leg, rest, goal);
+                *tried = retried(skeleton, leg, rest, goal, self.largest_turn);
             }
         }
         let demands: Vec<Demand> = (0..times.len()).map(|at| leg.demand(at)).collect();
@@ -175,7 +199,7 @@ impl<'a> Still<'a> {
     }
 }
 
-fn retried(skeleton: &Skeleton, leg: &Leg, rest: &Pose, goal: Option<EndPose>) -> Tried {
+fn retried(skeleton: &Skeleton, leg: &Leg, rest: &Pose, goal: Option<EndPose>, largest_turn: f64) -> Tried {
     let mut pose = rest.clone();
     let place = leg.chain.place(skeleton, rest);
     if let Some(goal) = goal {
@@ -186,7 +210,7 @@ fn retried(skeleton: &Skeleton, leg: &Leg, rest: &Pose, goal: Option<EndPose>) -
         log(rest.rotations[joint].inverse() * pose.rotations[joint]).length()
     };
     let joints = [leg.chain.upper, leg.chain.middle, leg.chain.lower];
-    let turns_too_far = joints.into_iter().any(|joint| turn(joint) > LARGEST_TURN);
+    let turns_too_far = joints.into_iter().any(|joint| turn(joint) > largest_turn);
     Tried { goal, place: leg.chain.place(skeleton, &pose), turns_too_far }
 }
 

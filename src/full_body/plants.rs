@@ -21,6 +21,13 @@ pub struct LegTrack {
     pub toe: Vec<bool>,
 }
 
+impl LegTrack {
+    /// When heel or toe bears.
+    pub fn bears(&self) -> Vec<bool> {
+        self.heel.iter().zip(&self.toe).map(|(heel, toe)| *heel || *toe).collect()
+    }
+}
+
 /// By how much a foot is displaced: its ankle, metres, and the foot, a rotation vector in the world's axes.
 pub type Displacement = [DVec3; 2];
 
@@ -63,8 +70,7 @@ pub fn bearing(contacts: &[Contacts], soles: Soles) -> [Vec<bool>; 2] {
 
 /// The plants of a leg, in the order of time: one for each stretch in which heel or toe bear.
 pub fn plants(times: &[f64], leg: &LegTrack) -> Vec<Plant> {
-    let bears: Vec<bool> = leg.heel.iter().zip(&leg.toe).map(|(heel, toe)| *heel || *toe).collect();
-    let spans = runs(&bears).into_iter().map(|(first, last)| Span { first, last });
+    let spans = runs(&leg.bears()).into_iter().map(|(first, last)| Span { first, last });
     spans.map(|span| Plant { span, motion: ground_motion(times, leg, span) }).collect()
 }
 

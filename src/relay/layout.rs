@@ -7,7 +7,7 @@ use super::acts::{Act, PALMS_APART, Place, REACH, STATURE, WIDTH, act, carry, ne
 use super::chance::{Choice, below, signed};
 use super::curve::{Curve, curve};
 use super::disturbers::{Disturber, disturbers};
-use super::{Disturbance, FEWEST_PER_BOX, HEIGHTS, LONGEST_PHASE, Relay, RelayError, counts};
+use super::{Disturbance, FARTHEST_DRAG, FEWEST_PER_BOX, HEIGHTS, LONGEST_PHASE, Relay, RelayError, counts};
 use crate::geometry::{c64, cis};
 
 /// What a carrier does.
@@ -139,6 +139,9 @@ fn check(relay: &Relay, carriers: usize, disturbers: usize) -> Result<(), RelayE
     }
     if !(0.0..=LONGEST_PHASE).contains(&relay.phase) {
         return Err(RelayError::Phase(relay.phase));
+    }
+    if let Some(drag) = relay.drag.filter(|drag| !(0.1..=FARTHEST_DRAG).contains(drag)) {
+        return Err(RelayError::Drag(drag));
     }
     if disturbers > 0 && relay.disturbances.is_empty() {
         return Err(RelayError::NoDisturbance);

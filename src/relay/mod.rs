@@ -41,6 +41,8 @@ pub struct Relay {
     pub disturbances: Vec<Disturbance>,
     /// Whether frames may come and go when the scene is dragged.
     pub discrete: bool,
+    /// Metres by which the end is dragged on, straight ahead of the last carrier; `None`: nothing is dragged.
+    pub drag: Option<f64>,
     /// Of all choices.
     pub seed: u64,
     /// Where.
@@ -101,6 +103,9 @@ pub const HEIGHTS: (f64, f64) = (1.5, 2.0);
 
 /// Longest phase, seconds: what waiting takes up.
 pub const LONGEST_PHASE: f64 = 1.0;
+
+/// Farthest that the end is dragged, metres: about what the last carrier and those before it can walk on.
+pub const FARTHEST_DRAG: f64 = 60.0;
 
 /// Fewest carriers for each box: the box before it comes when who started one is back.
 pub const FEWEST_PER_BOX: usize = 3;
@@ -183,6 +188,9 @@ pub enum RelayError {
     /// Too much or nothing.
     #[error("a phase of {0} s is outside 0 to {LONGEST_PHASE} s")]
     Phase(f64),
+    /// Dragged nowhere, backwards or too far.
+    #[error("a drag of {0} m is outside 0.1 to {FARTHEST_DRAG} m")]
+    Drag(f64),
     /// Disturbers without a way to disturb.
     #[error("there are disturbers, but no way for them to disturb")]
     NoDisturbance,
@@ -205,6 +213,7 @@ impl RelayError {
             Self::TooFar(_) => "draw the curve nearer to the origin, or ask for fewer --characters",
             Self::Heights(_) => "write --heights 1.64..1.86",
             Self::Phase(_) => "ask for another --phase",
+            Self::Drag(_) => "ask for another --drag",
             Self::NoDisturbance => "name one --disturbance at least, or ask for --disturbers 0",
         }
     }
@@ -252,6 +261,7 @@ pub(crate) mod tests {
             phase: 0.3,
             disturbances: Disturbance::ALL.to_vec(),
             discrete: false,
+            drag: None,
             seed: 1,
             along: Along::Spiral,
         }
@@ -275,6 +285,7 @@ pub(crate) mod tests {
         assert!(matches!(error(Relay { heights: (1.9, 1.7), ..spiral() }), RelayError::Heights(_)));
         assert!(matches!(error(Relay { heights: (f64::NAN, 1.7), ..spiral() }), RelayError::Heights(_)));
         assert!(matches!(error(Relay { phase: 9.0, ..spiral() }), RelayError::Phase(_)));
+        assert!(matches!(error(Relay { drag: Some(0.0), ..spiral() }), RelayError::Drag(_)));
         assert!(matches!(error(Relay { spacing: Some(f64::NAN), ..spiral() }), RelayError::Spacing(_)));
         assert!(matches!(error(Relay { disturbances: vec![], ..spiral() }), RelayError::NoDisturbance));
         let far = Relay { characters: 60_000, along: Along::Line, ..spiral() };

@@ -62,7 +62,7 @@ pub fn check(
         discrete: checked.discrete,
         captured: BTreeMap::new(),
         warp: warp(&raw.warp, report),
-        full_body: full_body(&raw.full_body),
+        full_body: full_body(&raw.full_body, report),
     }
 }
 
@@ -96,17 +96,29 @@ fn warp(field: &Field<raw::Warp>, report: &mut Report) -> Warp {
     Warp { min_step, max_step }
 }
 
-fn full_body(stage: &Field<things::FullBody>) -> FullBody {
+fn full_body(stage: &Field<things::FullBody>, report: &mut Report) -> FullBody {
     let default = FullBody::default();
     let Some(stage) = stage.value() else {
         return default;
     };
     FullBody {
         enabled: stage.enabled.value().copied().unwrap_or(default.enabled),
-        plants: match stage.plants.value() {
-            Some(values::Plants::Pinned) => Plants::Pinned,
-            Some(values::Plants::AsCaptured) | None => Plants::AsCaptured,
-        },
+        plants: plants(stage, report),
+    }
+}
+
+fn plants(stage: &things::FullBody, report: &mut Report) -> Plants {
+    let largest_turn = within(&stage.pinned_turn, 180.0, "degrees that a joint turns by", report);
+    match (stage.plants.value(), stage.pinned_turn.given()) {
+        (Some(values::Plants::Pinned), _) => {
+            Plants::Pinned { largest_turn: largest_turn.map(f64::to_radians) }
+        }
+        (Some(values::Plants::AsCaptured) | None, Some(turn)) => {
+            let help = "write plants = \"pinned\" beside it, or remove it";
+            report.warn(&turn.place, "pinned_turn is for feet that stand still only", help);
+            Plants::AsCaptured
+        }
+        (Some(values::Plants::AsCaptured) | None, None) => Plants::AsCaptured,
     }
 }
 

@@ -119,7 +119,7 @@ pub struct Warp {
 }
 
 /// Settings of the full-body stage.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FullBody {
     /// Whether it runs.
     pub enabled: bool,
@@ -134,13 +134,16 @@ impl Default for FullBody {
 }
 
 /// How planted feet hold.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum Plants {
     /// With the small drift that their capture has: an edit that changes nothing changes nothing.
     #[default]
     AsCaptured,
     /// Without any drift.
-    Pinned,
+    Pinned {
+        /// How far joints of a captured leg may turn for it, radians, above 0 and at most π; just below 5° if left out.
+        largest_turn: Option<f64>,
+    },
 }
 
 impl Scene {

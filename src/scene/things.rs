@@ -119,6 +119,9 @@ table! {
             enabled: bool,
             /// Whether planted feet keep the small drift of their capture ("as-captured", if left out) or stand still.
             plants: Plants,
+            /// How far joints of a captured leg may turn for a foot to stand still, degrees (4.8 if left out); only where they
+            /// are pinned.
+            pinned_turn: f64,
         }
     }
 }

@@ -2,6 +2,7 @@
 #include "peer.h"
 
 #include <Eigen/Core>
+#include <ctime>
 #include <exception>
 #include <klu.h>
 #include <umfpack.h>
@@ -46,6 +47,12 @@ int peer_solve(Peer* peer, const double* b, double* x) {
 }
 
 void peer_free(Peer* peer) { delete peer; }
+
+double peer_cpu_seconds() {
+    timespec now{};
+    clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &now);
+    return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
+}
 
 const char* peer_versions() {
     return "UMFPACK " DOTTED(UMFPACK_MAIN_VERSION, UMFPACK_SUB_VERSION, UMFPACK_SUBSUB_VERSION)

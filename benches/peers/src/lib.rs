@@ -7,5 +7,6 @@ pub mod ours;
 pub mod peer;
 pub mod problem;
 pub mod race;
+pub mod relay;
 pub mod system;
 pub mod table;

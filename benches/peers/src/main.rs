@@ -1,9 +1,11 @@
 //! Prints the comparison: see the README beside this.
 
+use cotillion_peers::measure::LIBRARIES;
 use cotillion_peers::measure::{Case, Statistic};
 use cotillion_peers::options::{HELP, Options, parse};
 use cotillion_peers::peer::versions;
 use cotillion_peers::race::{Effort, all_fields, race};
+use cotillion_peers::relay::{self, relay_table};
 use cotillion_peers::table::{Size, details, json, notes, table};
 use cotillion_solvers::workload::relay_chain;
 use std::env;
@@ -35,6 +37,9 @@ fn run() -> Result<(), Box<dyn Error>> {
     };
     if options.help {
         return Ok(io::stdout().write_all(HELP.as_bytes())?);
+    }
+    if !options.relays.is_empty() {
+        return relays(&options);
     }
     let sizes = measure(&options)?;
     let text = if options.json {
@@ -69,6 +74,17 @@ fn measure(options: &Options) -> Result<Vec<Size>, Box<dyn Error>> {
         sizes.push(Size { characters, samples: case.workload.samples(), rows });
     }
     Ok(sizes)
+}
+
+/// Prints a table for each relay.
+fn relays(options: &Options) -> Result<(), Box<dyn Error>> {
+    let libraries = if options.all { &LIBRARIES[..] } else { &LIBRARIES[..1] };
+    let mut text = format!("{}\n", about());
+    for &characters in &options.relays {
+        writeln!(io::stderr(), "a relay of {characters} ...")?;
+        text += &format!("\n{}", relay_table(&relay::measure(characters, libraries, options.budget)?));
+    }
+    Ok(io::stdout().write_all(text.as_bytes())?)
 }
 
 /// Processor, libraries, BLAS.

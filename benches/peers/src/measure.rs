@@ -2,18 +2,17 @@
 
 use crate::configuration::Configuration;
 use crate::ours::{Route, cold};
-use crate::peer::{Failed, Library, Peer};
+use crate::peer::{Failed, Library, Peer, cpu_seconds};
 use crate::problem::{reference, shape_problem, split_targets};
 use crate::system::{
     FORMS, Form, Layout, Matrix, NUMBERS, Numbers, assemble, layout, points_of, right_hand_side,
 };
 use cotillion_solvers::workload::Workload;
-use cotillion_solvers::{KktError, c64};
+use cotillion_solvers::{KktError, LeastSquares, c64};
 use std::hint::black_box;
-use std::time::Instant;
 
 /// Drag steps of a run.
-const DRAG_STEPS: usize = 5;
+pub const DRAG_STEPS: usize = 5;
 
 /// A workload with all that solvers are given and compared with.
 pub struct Case {
@@ -21,7 +20,13 @@ pub struct Case {
     pub workload: Workload,
     /// Targets of the workload, then of each drag step.
     targets: Vec<Vec<c64>>,
-    /// Solutions for the first and the last of `targets`.
+    /// As other libraries are given it.
+    pub posed: Posed,
+}
+
+/// A problem as other libraries are given it, at rest and in each step of a drag.
+pub struct Posed {
+    /// Solutions of the first and the last step.
     reference: [Vec<c64>; 2],
     systems: Vec<System>,
 }
@@ -66,8 +71,20 @@ impl Case {
         let compared = [targets[0].clone(), targets[DRAG_STEPS].clone()];
         let solutions = reference(&workload, &compared)?;
         let [first, last] = <[_; 2]>::try_from(solutions).expect("one solution for each of two targets");
-        let systems = FORMS.map(|form| System::new(&workload, form, &targets)).into();
-        Ok(Self { workload, targets, reference: [first, last], systems })
+        let sides: Vec<_> = targets.iter().map(|targets| split_targets(&workload, targets)).collect();
+        let posed = Posed::new(&shape_problem(&workload), &sides, [first, last]);
+        Ok(Self { workload, targets, posed })
+    }
+}
+
+impl Posed {
+    /// Assembles everything; not part of any time. `sides`: m and h of each step; `reference`: solutions of the first and the last.
+    pub fn new(
+        problem: &LeastSquares<c64>,
+        sides: &[(Vec<c64>, Vec<c64>)],
+        reference: [Vec<c64>; 2],
+    ) -> Self {
+        Self { reference, systems: FORMS.map(|form| System::new(problem, form, sides)).into() }
     }
 
     fn error(&self, cold: &[c64], dragged: &[c64]) -> f64 {
@@ -76,17 +93,12 @@ impl Case {
 }
 
 impl System {
-    fn new(workload: &Workload, form: Form, targets: &[Vec<c64>]) -> Self {
-        let problem = shape_problem(workload);
-        let side = |targets: &Vec<c64>| {
-            let (m, h) = split_targets(workload, targets);
-            right_hand_side(&problem, form, &m, &h)
-        };
+    fn new(problem: &LeastSquares<c64>, form: Form, sides: &[(Vec<c64>, Vec<c64>)]) -> Self {
         Self {
             form,
-            layout: layout(&problem, form),
-            matrices: NUMBERS.map(|numbers| (numbers, assemble(&problem, form, numbers))),
-            right_hand_sides: targets.iter().map(side).collect(),
+            layout: layout(problem, form),
+            matrices: NUMBERS.map(|numbers| (numbers, assemble(problem, form, numbers))),
+            right_hand_sides: sides.iter().map(|(m, h)| right_hand_side(problem, form, m, h)).collect(),
         }
     }
 }
@@ -95,10 +107,10 @@ impl System {
 ///
 /// # Errors
 /// The status of the library.
-pub fn run_peer(case: &Case, configuration: &Configuration) -> Result<Run, Failed> {
+pub fn run_peer(posed: &Posed, configuration: &Configuration) -> Result<Run, Failed> {
     let Configuration { library, form, numbers, options, .. } = configuration;
     let find = "a system for each form and kind of numbers";
-    let system = case.systems.iter().find(|system| system.form == *form).expect(find);
+    let system = posed.systems.iter().find(|system| system.form == *form).expect(find);
     let (_, matrix) = system.matrices.iter().find(|(kind, _)| kind == numbers).expect(find);
     let mut x = vec![0.0; 2 * system.layout.size];
     let mut peer = Peer::new(matrix, *library, *options)?;
@@ -112,7 +124,7 @@ pub fn run_peer(case: &Case, configuration: &Configuration) -> Result<Run, Faile
     for b in &system.right_hand_sides[1..] {
         drags.push(timed(|| peer.solve(b, &mut x))?);
     }
-    let error = case.error(&cold, &points_of(system.layout, &x));
+    let error = posed.error(&cold, &points_of(system.layout, &x));
     Ok(Run { cold: phases.iter().sum(), phases: Some(phases), drag: median(&mut drags), error })
 }
 
@@ -130,7 +142,7 @@ pub fn run_ours(case: &Case, route: Route) -> Result<Run, KktError> {
         drags.push(timed(|| drag.step(&case.workload, targets).map(|edited| _ = black_box(edited)))?);
     }
     let last = drag.step(&case.workload, &case.targets[DRAG_STEPS])?;
-    let error = case.error(&paths.concat(), &last.concat());
+    let error = case.posed.error(&paths.concat(), &last.concat());
     Ok(Run { cold: seconds, phases: None, drag: median(&mut drags), error })
 }
 
@@ -163,11 +175,11 @@ pub fn summary(runs: &[Run], statistic: Statistic) -> Run {
     }
 }
 
-/// Seconds that a step takes.
-fn timed<E>(step: impl FnOnce() -> Result<(), E>) -> Result<f64, E> {
-    let start = Instant::now();
+/// Seconds that a step keeps a processor busy.
+pub fn timed<E>(step: impl FnOnce() -> Result<(), E>) -> Result<f64, E> {
+    let start = cpu_seconds();
     step()?;
-    Ok(start.elapsed().as_secs_f64())
+    Ok(cpu_seconds() - start)
 }
 
 /// Largest distance of two samples; infinite if one is not a number.

@@ -7,6 +7,8 @@ pub const HELP: &str = "\
 Times UMFPACK, KLU and Eigen beside our own solvers on the same systems, on one thread.
 
   --characters 10,78,1000   sizes: paths of 200 samples each
+  --relay 78                in place of these, whole drag updates of relays of so many, as `cotillion relay` writes them,
+                            beside UMFPACK on their shape phase; with --all, beside every library
   --repeats N               rounds; by default 31 up to 200 characters, 7 above
   --budget SECONDS          for trying the configurations of one library on one form and size (10)
   --all                     measure all configurations, not only the best of each library and form
@@ -19,6 +21,8 @@ Times UMFPACK, KLU and Eigen beside our own solvers on the same systems, on one 
 pub struct Options {
     /// Sizes.
     pub characters: Vec<usize>,
+    /// Relays, in place of sizes; empty: none.
+    pub relays: Vec<usize>,
     /// Rounds; `None`: by size.
     pub repeats: Option<usize>,
     /// See [`Effort`](crate::race::Effort).
@@ -63,6 +67,7 @@ impl fmt::Display for OptionError {
 pub fn parse(mut words: impl Iterator<Item = String>) -> Result<Options, OptionError> {
     let mut options = Options {
         characters: vec![10, 78, 1000],
+        relays: Vec::new(),
         repeats: None,
         budget: 10.0,
         all: false,
@@ -73,6 +78,7 @@ pub fn parse(mut words: impl Iterator<Item = String>) -> Result<Options, OptionE
     while let Some(word) = words.next() {
         match word.as_str() {
             "--characters" => options.characters = value(&mut words, "--characters", SIZES, sizes)?,
+            "--relay" => options.relays = value(&mut words, "--relay", SIZES, sizes)?,
             "--repeats" => {
                 options.repeats = Some(value(&mut words, "--repeats", "a number above 0", positive)?)
             }

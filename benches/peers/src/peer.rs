@@ -64,6 +64,7 @@ unsafe extern "C" {
     fn peer_factor(peer: *mut RawPeer) -> i32;
     fn peer_solve(peer: *mut RawPeer, b: *const f64, x: *mut f64) -> i32;
     fn peer_free(peer: *mut RawPeer);
+    fn peer_cpu_seconds() -> f64;
     fn peer_versions() -> *const c_char;
 }
 
@@ -77,6 +78,12 @@ impl Library {
             Self::Ldlt => "Eigen SimplicialLDLT",
         }
     }
+}
+
+/// Seconds that all threads of this process have run: what others do on the machine lengthens them least.
+pub fn cpu_seconds() -> f64 {
+    // SAFETY: it takes nothing.
+    unsafe { peer_cpu_seconds() }
 }
 
 /// Names and versions of the libraries.

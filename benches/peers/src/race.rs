@@ -1,7 +1,7 @@
 //! All solvers on one size: each configuration is tried, the best of each library on each system is measured.
 
 use crate::configuration::{Configuration, configurations};
-use crate::measure::{Case, LIBRARIES, Run, Statistic, run_ours, run_peer, summary};
+use crate::measure::{Case, LIBRARIES, Posed, Run, Statistic, run_ours, run_peer, summary};
 use crate::ours::{ROUTES, Route};
 use crate::peer::Library;
 use crate::system::{FORMS, Form, NUMBERS, Numbers};
@@ -36,6 +36,13 @@ pub struct Effort {
 /// Configurations of one library on one form in one kind of numbers, the best at the last size first.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Field(Vec<Configuration>);
+
+impl Field {
+    /// Whose configurations they are.
+    pub fn library(&self) -> Option<Library> {
+        self.0.first().map(|configuration| configuration.library)
+    }
+}
 
 /// Measured results of one solver on one size.
 #[derive(Clone, Debug, PartialEq)]
@@ -91,7 +98,7 @@ pub fn race(case: &Case, fields: &mut [Field], effort: Effort) -> Vec<Row> {
     entrants.iter_mut().for_each(|ours| _ = ours.run(case)); // warm-up
     for field in fields {
         let kept = if effort.all { usize::MAX } else { FINALISTS };
-        let tried = trials(case, field, effort.budget);
+        let tried = trials(&case.posed, field, effort.budget);
         let kept = tried.into_iter().take(kept);
         entrants.extend(kept.map(|(peer, run)| entrant(Kind::Peer(peer), run, effort)));
     }
@@ -109,7 +116,7 @@ impl Entrant {
     fn run(&self, case: &Case) -> Option<Run> {
         match &self.kind {
             Kind::Ours(route) => run_ours(case, *route).ok(),
-            Kind::Peer(configuration) => run_peer(case, configuration).ok(),
+            Kind::Peer(configuration) => run_peer(&case.posed, configuration).ok(),
         }
     }
 
@@ -136,13 +143,13 @@ fn entrant(kind: Kind, tried: Option<Run>, effort: Effort) -> Entrant {
     Entrant { kind, runs: slow.into_iter().collect(), repeated }
 }
 
-/// Tries configurations in turn until time is up, and sorts the field. Returns those tried, the best first.
-fn trials(case: &Case, field: &mut Field, budget: f64) -> Vec<(Configuration, Option<Run>)> {
+/// Tries configurations of a field in turn until `budget` seconds are up, and sorts the field. Returns those tried, the best first.
+pub fn trials(posed: &Posed, field: &mut Field, budget: f64) -> Vec<(Configuration, Option<Run>)> {
     let start = Instant::now();
     let mut tried = Vec::new();
     let mut rest = field.0.drain(..);
     for configuration in rest.by_ref() {
-        let run = trial(case, &configuration);
+        let run = trial(posed, &configuration);
         tried.push((configuration, run));
         if start.elapsed().as_secs_f64() > budget {
             break;
@@ -156,10 +163,10 @@ fn trials(case: &Case, field: &mut Field, budget: f64) -> Vec<(Configuration, Op
 }
 
 /// The quickest of three short runs, or of one that is not short.
-fn trial(case: &Case, configuration: &Configuration) -> Option<Run> {
-    let first = run_peer(case, configuration).ok()?;
+fn trial(posed: &Posed, configuration: &Configuration) -> Option<Run> {
+    let first = run_peer(posed, configuration).ok()?;
     let count = if first.cold < SHORT { 2 } else { 0 };
-    let more = (0..count).filter_map(|_| run_peer(case, configuration).ok());
+    let more = (0..count).filter_map(|_| run_peer(posed, configuration).ok());
     more.chain([first]).min_by(|a, b| a.cold.total_cmp(&b.cold))
 }
 

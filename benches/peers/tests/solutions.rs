@@ -60,7 +60,7 @@ fn ten_paths_are_solved_by_every_configuration_that_pivots() {
     let case = Case::new(relay_chain(10)).expect("four pins hold the chain");
     for configuration in every_configuration().filter(|c| c.library != Library::Ldlt) {
         let Configuration { library, form, label, .. } = &configuration;
-        let run = run_peer(&case, &configuration).expect("a regular system");
+        let run = run_peer(&case.posed, &configuration).expect("a regular system");
         assert!(run.error < tolerance(*form), "{library:?}, {form:?}, {label}: {:e}", run.error);
         assert!(run.cold > 0.0 && run.drag > 0.0);
     }
@@ -70,8 +70,9 @@ fn ten_paths_are_solved_by_every_configuration_that_pivots() {
 fn ten_paths_are_solved_by_the_best_configuration_without_pivots() {
     let case = Case::new(relay_chain(10)).expect("four pins hold the chain");
     for form in FORMS {
-        let runs =
-            configurations(Library::Ldlt, form, Numbers::Complex).into_iter().map(|c| run_peer(&case, &c));
+        let runs = configurations(Library::Ldlt, form, Numbers::Complex)
+            .into_iter()
+            .map(|c| run_peer(&case.posed, &c));
         let least = runs.flatten().map(|run| run.error).fold(f64::INFINITY, f64::min);
         assert!(least < tolerance(form), "{form:?}: {least:e}");
     }

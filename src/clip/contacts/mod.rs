@@ -249,7 +249,7 @@ fn bearing(places: &[DVec3], floor: f64, point: ContactPoint, settings: &Contact
 }
 
 /// When a point is low and slow; once it is, up to `settings.hysteresis` times both thresholds.
-fn latched(heights: &[f64], speeds: &[f64], height: f64, settings: &ContactSettings) -> Vec<bool> {
+pub(crate) fn latched(heights: &[f64], speeds: &[f64], height: f64, settings: &ContactSettings) -> Vec<bool> {
     let mut bears = false;
     heights
         .iter()
@@ -263,7 +263,7 @@ fn latched(heights: &[f64], speeds: &[f64], height: f64, settings: &ContactSetti
 }
 
 /// Fills gaps, then drops short contacts. A range shorter than the shortest contact may be all contact.
-fn tidy(labels: &mut [bool], settings: &ContactSettings) {
+pub(crate) fn tidy(labels: &mut [bool], settings: &ContactSettings) {
     fill_gaps(labels, settings.longest_gap);
     drop_short(labels, settings.shortest_contact.min(labels.len()));
 }

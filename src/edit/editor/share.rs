@@ -1,13 +1,20 @@
-//! What some characters cost by themselves.
+//! What some characters cost by themselves, and what of them other solvers are given.
 
 use std::collections::BTreeMap;
 
 use super::{Editor, extent};
+use crate::edit::direct::FrameProblem;
 use crate::edit::energy::Energy;
 use crate::edit::expand::Following;
 use crate::edit::groups::connected;
 
 impl Editor {
+    /// The shape phase of each connected group as the problem of all its frames, as last solved: for other solvers to be
+    /// compared with. None but with [`Backend::Direct`](crate::edit::Backend::Direct).
+    pub fn shape_problems(&self) -> impl Iterator<Item = FrameProblem<'_>> {
+        self.spatial.iter().filter_map(|group| group.component.shape.frame_problem())
+    }
+
     /// Characters who are tied to each other by constraints, in space or time, or by what they carry, each group and the list of
     /// groups rising.
     pub fn tied(&self) -> Vec<Vec<usize>> {

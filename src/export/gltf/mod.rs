@@ -2,6 +2,7 @@
 
 pub(super) mod body_mesh;
 mod buffer;
+mod keys;
 mod stage;
 
 use std::sync::Arc;
@@ -15,6 +16,7 @@ use gltf_json::{Accessor, Asset, Index, Skin};
 
 use self::body_mesh::body_mesh;
 use self::buffer::{Document, Use};
+use self::keys::{Changes, picked};
 use crate::clip::Clip;
 use crate::export::palette;
 use crate::index::{JointId, SourceFrame};
@@ -79,8 +81,7 @@ pub fn to_glb(scene: &GlbScene) -> Vec<u8> {
         let node = stage::object(&mut document, object);
         nodes.push(node);
         if object.poses.len() > 1 {
-            let times = cast.times(&mut document, (object.poses.len(), object.fps));
-            stage::animate(&mut document, &mut animation, object, (node, times));
+            stage::animate(&mut document, &mut animation, object, node);
         }
     }
     if !animation.channels.is_empty() {
@@ -100,8 +101,6 @@ pub fn to_glb(scene: &GlbScene) -> Vec<u8> {
 #[derive(Default)]
 struct Cast {
     bodies: Vec<(Arc<Skeleton>, Body)>,
-    /// By frames and rate.
-    times: Vec<(usize, f64, Index<Accessor>)>,
 }
 
 /// Accessors of a body's mesh, in the order of the glTF names below, and of its bind pose.
@@ -130,8 +129,7 @@ impl Cast {
             children: Some(vec![joints[0]]),
             ..Default::default()
         });
-        let times = self.times(document, (clip.frame_count(), clip.fps));
-        animate(document, animation, clip, &joints, times);
+        animate(document, animation, clip, &joints);
         let Some(body) = self.body(document, &clip.skeleton) else {
             return vec![holder];
         };
@@ -178,18 +176,12 @@ impl Cast {
         self.bodies.push((skeleton.clone(), body));
         Some(body)
     }
+}
 
-    /// Seconds of so many frames at a rate, made once per length.
-    fn times(&mut self, document: &mut Document, (frames, fps): (usize, f64)) -> Index<Accessor> {
-        let known = self.times.iter().find(|(count, rate, _)| *count == frames && *rate == fps);
-        if let Some((_, _, times)) = known {
-            return *times;
-        }
-        let seconds: Vec<[f32; 1]> = (0..frames).map(|frame| [narrow(frame as f64 / fps)]).collect();
-        let times = document.floats(&seconds, Use::Data, true);
-        self.times.push((frames, fps, times));
-        times
-    }
+/// Seconds of frames at a rate; the same frames share them.
+fn seconds(document: &mut Document, kept: &[usize], fps: f64) -> Index<Accessor> {
+    let seconds: Vec<[f32; 1]> = kept.iter().map(|frame| [narrow(*frame as f64 / fps)]).collect();
+    document.floats(&seconds, Use::Data, true)
 }
 
 /// A node per joint, as in the first frame; children listed by their parents.
@@ -220,27 +212,26 @@ fn joint_nodes(document: &mut Document, clip: &Clip) -> Vec<Index<Node>> {
     nodes
 }
 
-/// Channels of one character: rotations of all joints, translations of the root and of joints that move.
-fn animate(
-    document: &mut Document,
-    animation: &mut Animation,
-    clip: &Clip,
-    joints: &[Index<Node>],
-    times: Index<Accessor>,
-) {
-    let mut add = |output: Index<Accessor>, joint: usize, path: Property| {
-        channel(animation, (times, output), (joints[joint], path));
-    };
-    let root = document.floats(&rows(&clip.root_positions), Use::Data, false);
-    add(root, 0, Property::Translation);
-    for moving in &clip.moving_offsets {
-        let offsets = document.floats(&rows(&moving.offsets), Use::Data, false);
-        add(offsets, moving.joint.as_usize(), Property::Translation);
+/// Channels of one character: rotations of all joints, translations of the root and of joints that move. All have the same
+/// keyframes: none within a stretch in which nothing moves.
+fn animate(document: &mut Document, animation: &mut Animation, clip: &Clip, joints: &[Index<Node>]) {
+    let mut changes = Changes::of(clip.frame_count());
+    let mut places = vec![(0, rows(&clip.root_positions))];
+    places.extend(clip.moving_offsets.iter().map(|moving| (moving.joint.as_usize(), rows(&moving.offsets))));
+    places.iter().for_each(|(_, rows)| changes.note(rows));
+    let rotations: Vec<Vec<[f32; 4]>> = (0..joints.len())
+        .map(|joint| steady(clip.rotations.iter().skip(joint).step_by(joints.len())))
+        .collect();
+    rotations.iter().for_each(|rows| changes.note(rows));
+    let kept = changes.kept();
+    let times = seconds(document, &kept, clip.fps);
+    for (joint, rows) in &places {
+        let places = document.floats(&picked(rows, &kept), Use::Data, false);
+        channel(animation, (times, places), (joints[*joint], Property::Translation));
     }
-    for joint in 0..joints.len() {
-        let rotations = clip.rotations.iter().skip(joint).step_by(joints.len());
-        let rotations = document.floats(&steady(rotations), Use::Data, false);
-        add(rotations, joint, Property::Rotation);
+    for (joint, rows) in rotations.iter().enumerate() {
+        let rotations = document.floats(&picked(rows, &kept), Use::Data, false);
+        channel(animation, (times, rotations), (joints[joint], Property::Rotation));
     }
 }
 

@@ -9,6 +9,7 @@ use gltf_json::validation::Checked;
 use gltf_json::{Accessor, Index};
 
 use super::buffer::{Document, Use};
+use super::keys::{Changes, picked};
 use super::{GlbObject, GlbScene, channel, narrow, quaternion, rows, steady, vector};
 use crate::export::palette::linear;
 use crate::geometry::{plan_of, yaw};
@@ -104,17 +105,23 @@ pub(super) fn object(document: &mut Document, object: &GlbObject) -> Index<Node>
     })
 }
 
-/// Channels of a box that moves; node and seconds of its frames.
+/// Channels of a box that moves, with keyframes while it does.
 pub(super) fn animate(
     document: &mut Document,
     animation: &mut Animation,
     object: &GlbObject,
-    (node, times): (Index<Node>, Index<Accessor>),
+    node: Index<Node>,
 ) {
     let places: Vec<DVec3> = object.poses.iter().map(|pose| pose.position).collect();
     let turns: Vec<DQuat> = object.poses.iter().map(|pose| yaw(pose.facing)).collect();
-    let places = document.floats(&rows(&places), Use::Data, false);
-    let turns = document.floats(&steady(turns.iter()), Use::Data, false);
+    let (places, turns) = (rows(&places), steady(turns.iter()));
+    let mut changes = Changes::of(places.len());
+    changes.note(&places);
+    changes.note(&turns);
+    let kept = changes.kept();
+    let times = super::seconds(document, &kept, object.fps);
+    let places = document.floats(&picked(&places, &kept), Use::Data, false);
+    let turns = document.floats(&picked(&turns, &kept), Use::Data, false);
     channel(animation, (times, places), (node, Property::Translation));
     channel(animation, (times, turns), (node, Property::Rotation));
 }

@@ -1,5 +1,6 @@
 //! What ties times: connectors between rows, and their names on flags above.
 
+use super::crowd::CROWD;
 use super::svg::{INK, Point, Sheet, TextStyle, clipped, text_width};
 use super::tracks::Axis;
 use super::{Picture, Tie};
@@ -31,6 +32,9 @@ struct Flag<'a> {
 
 /// Space right of the time axis for names of ties near its end, px.
 pub(super) fn room(picture: &Picture) -> f64 {
+    if picture.actors.len() >= CROWD {
+        return MARGIN;
+    }
     let times = || picture.ties.iter().filter_map(|tie| start_of(tie, picture.actors.len()));
     let last = picture.actors.iter().flat_map(|actor| actor.times).copied().fold(0.0, f64::max);
     let last = times().map(|(_, time)| time).fold(last, f64::max);

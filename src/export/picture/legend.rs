@@ -1,9 +1,11 @@
 //! What the symbols mean; only those that occur.
 
 use super::Picture;
+use super::crowd::CROWD;
 use super::handles::{drag_pen, draw_drag_start};
 use super::objects::{OUTLINE, draw_mark, way_pen};
-use super::svg::{INK, Point, Rect, Sheet, TextStyle};
+use super::svg::{INK, Point, Rect, Sheet, TextStyle, tinted};
+use crate::export::palette::ramp;
 
 /// Height of a line, px.
 const LINE: f64 = 19.0;
@@ -27,7 +29,8 @@ pub(super) fn draw_legend(sheet: &mut Sheet, corner: Point, picture: &Picture) {
 }
 
 fn entries(picture: &Picture) -> Vec<Entry> {
-    let actors = !picture.actors.is_empty();
+    let crowd = picture.actors.len() >= CROWD;
+    let actors = !picture.actors.is_empty() && !crowd;
     let pin =
         |hard: bool| picture.handles.iter().any(|handle| handle.target.is_some() && handle.hard == hard);
     let ring = picture.handles.iter().any(|handle| handle.target.is_none() && handle.partner.is_none());
@@ -43,6 +46,7 @@ fn entries(picture: &Picture) -> Vec<Entry> {
         }),
         ("start and end", actors, draw_ends),
         ("facing, every 0.5 s", actors, draw_ticks),
+        ("path, early to late", crowd, draw_ramp),
         ("pin, hard", pin(true), |sheet, at| draw_pin(sheet, at, INK)),
         ("pin, soft", pin(false), |sheet, at| draw_pin(sheet, at, "none")),
         ("facing held", ring, |sheet, at| {
@@ -59,16 +63,33 @@ fn entries(picture: &Picture) -> Vec<Entry> {
         ("way of an object", picture.objects.iter().any(|object| object.poses.len() > 1), |sheet, at| {
             stroke(sheet, at, &way_pen());
         }),
-        ("grasped", picture.objects.iter().any(|object| !object.grasped.is_empty()), |sheet, at| {
-            draw_mark(sheet, at, OUTLINE);
-        }),
-        ("released", picture.objects.iter().any(|object| !object.released.is_empty()), |sheet, at| {
-            draw_mark(sheet, at, "#ffffff");
-        }),
-        ("stationary", still, draw_stationary),
-        ("same moment", picture.ties.iter().any(|tie| !tie.pinned), draw_tie),
-        ("given time", picture.ties.iter().any(|tie| tie.pinned), draw_flag),
+        (
+            "grasped",
+            !crowd && picture.objects.iter().any(|object| !object.grasped.is_empty()),
+            |sheet, at| {
+                draw_mark(sheet, at, OUTLINE);
+            },
+        ),
+        (
+            "released",
+            !crowd && picture.objects.iter().any(|object| !object.released.is_empty()),
+            |sheet, at| {
+                draw_mark(sheet, at, "#ffffff");
+            },
+        ),
+        ("stationary", still && !crowd, draw_stationary),
+        ("same moment", !crowd && picture.ties.iter().any(|tie| !tie.pinned), draw_tie),
+        ("given time", !crowd && picture.ties.iter().any(|tie| tie.pinned), draw_flag),
     ]
+}
+
+/// The colours of times.
+fn draw_ramp(sheet: &mut Sheet, [x, y]: Point) {
+    for k in 0..13 {
+        let (k, left) = (f64::from(k), x - 13.0 + 2.0 * f64::from(k));
+        let pen = format!(r#"stroke="{}" stroke-width="3""#, tinted(ramp(k / 12.0), 0.0));
+        sheet.line([left, y], [left + 2.0, y], &pen);
+    }
 }
 
 fn stroke(sheet: &mut Sheet, [x, y]: Point, pen: &str) {

@@ -5,9 +5,12 @@ use std::fmt::Write as _;
 use crate::geometry::c64;
 use crate::object::ObjectPose;
 
+mod animated;
 mod axis;
 mod chart;
 mod clip;
+mod crowd;
+mod density;
 mod extent;
 mod flags;
 mod handles;
@@ -17,12 +20,14 @@ mod matrix;
 mod objects;
 mod plan;
 mod png;
+mod simplify;
 mod strip;
 mod stroke_font;
 mod svg;
 mod tracks;
 mod view;
 
+pub use animated::animated_svg;
 pub use chart::{Chart, Series, chart_svg};
 pub use clip::clip_svg;
 pub use extent::{Extent, extent_of};
@@ -30,6 +35,7 @@ pub use matrix::graph_svg;
 pub use png::{PictureError, to_png};
 pub use strip::{Company, StripOptions, StripThing, StripTie, StripView, strip_svg};
 
+use crowd::CROWD;
 use legend::draw_legend;
 use plan::draw_plan;
 use svg::{INK, Rect, Sheet, TextStyle, clipped, number, title_of};
@@ -49,6 +55,8 @@ pub struct Picture<'a> {
     pub handles: Vec<Handle>,
     /// Constraints on times.
     pub ties: Vec<Tie>,
+    /// Scene times of the first and the last pose of objects that move, between which the others are spread evenly, seconds.
+    pub clock: (f64, f64),
 }
 
 /// An object of the scene, a box seen from above.
@@ -123,6 +131,8 @@ const WIDTH: f64 = 1000.0;
 const PLAN: (f64, f64) = (56.0, 830.0);
 /// Upper edge of the plan's frame, px.
 const TOP: f64 = 52.0;
+/// Greatest height of the plan's frame where people are few, px; a crowd has a square.
+const HIGHEST: f64 = 580.0;
 /// Around everything, px.
 const MARGIN: f64 = 18.0;
 /// Families for all text; what is there first counts.
@@ -131,7 +141,8 @@ const FONTS: &str = "Helvetica, Arial, Liberation Sans, DejaVu Sans, sans-serif"
 /// SVG of an edited scene, 1000 px wide: the plan with a metric grid, a legend, time tracks.
 ///
 /// Equal pictures give equal text. Coordinates that are not finite are left out; names of constraints, and names that
-/// find no room, are there as `<title>` of what they name.
+/// find no room, are there as `<title>` of what they name; of more than 200 actors, only theirs. Size: linear in actors, some
+/// hundred bytes for each of so many.
 pub fn to_svg(picture: &Picture) -> String {
     to_svg_covering(picture, &extent_of(picture))
 }
@@ -139,7 +150,8 @@ pub fn to_svg(picture: &Picture) -> String {
 /// The same with plan and time axis as large as `extent`: pictures of one extent show everything at the same place and scale.
 pub fn to_svg_covering(picture: &Picture, extent: &Extent) -> String {
     let mut sheet = Sheet::default();
-    let view = View::fit(extent.plan, [PLAN.0, TOP], PLAN.1 - PLAN.0);
+    let highest = if picture.actors.len() < CROWD { HIGHEST } else { PLAN.1 - PLAN.0 };
+    let view = View::fit(extent.plan, [PLAN.0, TOP], (PLAN.1 - PLAN.0, highest));
     let style = TextStyle { size: 19.0, colour: INK, anchor: "start", halo: false };
     sheet.text([PLAN.0, TOP - 17.0], style, &clipped(picture.title, style.size, WIDTH - PLAN.0 - MARGIN));
     draw_plan(&mut sheet, &view, picture);

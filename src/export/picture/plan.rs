@@ -3,6 +3,7 @@
 use std::f64::consts::PI;
 
 use super::axis::{mark_label, marks, round_step};
+use super::crowd::{CROWD, draw_crowd};
 use super::handles::draw_handles;
 use super::labels::Labels;
 use super::objects::draw_object;
@@ -31,6 +32,18 @@ const INK_POINTS: usize = 6000;
 pub(super) fn draw_plan(sheet: &mut Sheet, view: &View, picture: &Picture) {
     draw_grid(sheet, view);
     sheet.open(r#"id="plan" clip-path="url(#frame)""#, "plan");
+    if picture.actors.len() < CROWD {
+        draw_everybody(sheet, view, picture);
+    } else {
+        draw_crowd(sheet, view, picture);
+        write_names(sheet, view, picture, &mut obstacles(view, picture));
+    }
+    sheet.close();
+    draw_scale_bar(sheet, view);
+}
+
+/// Objects, paths and handles, each by itself.
+fn draw_everybody(sheet: &mut Sheet, view: &View, picture: &Picture) {
     picture.objects.iter().for_each(|object| draw_object(sheet, view, object));
     let pen = if picture.actors.len() <= FEW { 2.2 } else { 1.1 };
     for (index, actor) in picture.actors.iter().enumerate() {
@@ -49,8 +62,6 @@ pub(super) fn draw_plan(sheet: &mut Sheet, view: &View, picture: &Picture) {
         let style = TextStyle { size: 10.5, colour: INK, anchor: "middle", halo: true };
         labels.write(sheet, at, (&name, style), CROWDED);
     }
-    sheet.close();
-    draw_scale_bar(sheet, view);
 }
 
 /// Grid lines with their metres.

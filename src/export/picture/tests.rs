@@ -64,6 +64,7 @@ fn picture<'a>(motions: &'a [Motion], names: &'a [String]) -> Picture<'a> {
         objects: vec![object],
         handles: vec![handle(0, 3.5, None), handle(1, 1e9, None), handle(0, 40.0, Some((1, 30.25)))],
         ties: vec![tie(false), tie(true)],
+        clock: (0.0, 4.0),
     }
 }
 
@@ -84,6 +85,7 @@ fn every_name_is_there_and_escaped() {
         let (motions, names) = (motions(count, 120), names(count));
         let svg = to_svg(&picture(&motions, &names));
         check(&svg).expect("a picture");
+        check(&animated_svg(&picture(&motions, &names))).expect("a picture in motion");
         for name in names.iter().map(String::as_str).chain([
             "Tea & <cake>",
             "tea < table",
@@ -134,13 +136,46 @@ proptest! {
             motion.headings.iter_mut().for_each(|heading| *heading *= scale);
         }
         check(&to_svg(&picture(&motions, &names)))?;
+        check(&animated_svg(&picture(&motions, &names)))?;
     }
 }
 
 #[test]
 fn hundreds_of_actors_are_a_picture() {
     let (motions, names) = (motions(300, 90), names(300));
-    check(&to_svg(&picture(&motions, &names))).expect("a picture");
+    let svg = to_svg(&picture(&motions, &names));
+    check(&svg).expect("a picture");
+    check(&animated_svg(&picture(&motions, &names))).expect("a picture in motion");
+    assert!(svg.len() < 300 * BYTES_OF_ONE, "{} bytes", svg.len());
+    assert!(names.iter().all(|name| svg.contains(&svg::escaped(name))), "everybody can be pointed at");
+}
+
+/// Of an actor among hundreds, with its share of grid and legend.
+const BYTES_OF_ONE: usize = 300;
+
+/// Whoever stands still has two keyframes, and whoever moves is where they are at those that are left.
+#[test]
+fn a_picture_in_motion_has_the_keyframes_it_needs() {
+    let names = names(2);
+    let animated = |x: fn(f64) -> f64| {
+        let times: Vec<f64> = (0..90).map(|k| f64::from(k) / 30.0).collect();
+        let edited = times.iter().map(|time| c64::new(x(*time), 0.0)).collect();
+        let motion = [Motion { rest: Vec::new(), edited, headings: vec![0.5; 90], times }];
+        animated_svg(&Picture { objects: Vec::new(), ties: Vec::new(), ..picture(&motion, &names) })
+    };
+    let keys = |svg: &str, kind: &str| {
+        let own = svg
+            .split("<animateTransform")
+            .skip(1)
+            .find(|own| own.contains(kind))
+            .expect("everybody is animated");
+        let values = own.split("values=\"").nth(1).and_then(|own| own.split('"').next()).expect("values");
+        values.split(';').count()
+    };
+    let (still, straight) = (animated(|_| 1.0), animated(|time| time));
+    assert_eq!((keys(&still, "translate"), keys(&still, "rotate")), (2, 2));
+    // Where it begins and ends, and the end once more while the picture pauses.
+    assert_eq!((keys(&straight, "translate"), keys(&straight, "rotate")), (3, 2));
 }
 
 #[test]

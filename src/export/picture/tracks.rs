@@ -1,6 +1,8 @@
 //! Time tracks: a row per actor over one axis of seconds.
 
 use super::axis::{mark_label, marks, round_step};
+use super::crowd::CROWD;
+use super::density;
 use super::flags::{self, draw_flags};
 use super::plan::shaded;
 use super::svg::{GREY, INK, Rect, Sheet, TextStyle, clipped, text_width, tinted};
@@ -44,6 +46,9 @@ impl Axis {
 
 /// Draws the tracks into `place`, of which the height is free, over the times of `extent`; returns their lower edge.
 pub(super) fn draw_tracks(sheet: &mut Sheet, picture: &Picture, (place, extent): (Rect, &Extent)) -> f64 {
+    if picture.actors.len() >= CROWD {
+        return draw_crowd_tracks(sheet, picture, (place, extent));
+    }
     let mut axis = axis_of(picture, place, extent);
     axis.rows.y += flags::height(picture, &axis);
     sheet.open(r#"id="tracks""#, "time tracks");
@@ -56,6 +61,19 @@ pub(super) fn draw_tracks(sheet: &mut Sheet, picture: &Picture, (place, extent):
     for (index, actor) in picture.actors.iter().enumerate().filter(|_| axis.row >= 15.0) {
         draw_clip_names(sheet, &axis, (index, actor), &flags::crossings(picture, &axis, index));
     }
+    sheet.close();
+    axis.rows.y + axis.rows.h + 20.0
+}
+
+/// Rows of many people each.
+fn draw_crowd_tracks(sheet: &mut Sheet, picture: &Picture, (place, extent): (Rect, &Extent)) -> f64 {
+    let mut axis = axis_of(picture, density::room(place), extent);
+    let (rows, height) = density::rows(picture.actors.len());
+    (axis.row, axis.rows.h) = (height, height * rows as f64);
+    sheet.open(r#"id="tracks""#, "time tracks");
+    density::draw_density(sheet, &axis, picture);
+    draw_axis(sheet, &axis);
+    density::draw_row_names(sheet, &axis, picture, WIDEST_NAME);
     sheet.close();
     axis.rows.y + axis.rows.h + 20.0
 }

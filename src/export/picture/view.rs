@@ -7,8 +7,8 @@ use crate::object::ObjectPose;
 
 /// Space between the outermost point and the frame, px.
 const PADDING: f64 = 46.0;
-/// Least and greatest height of the frame, px.
-const HEIGHTS: (f64, f64) = (270.0, 580.0);
+/// Least height of the frame, px.
+const LOWEST: f64 = 270.0;
 /// Smallest extent drawn, metres.
 const LEAST_EXTENT: f64 = 1.0;
 /// Coordinates beyond are left out, metres.
@@ -26,14 +26,15 @@ pub(super) struct View {
 }
 
 impl View {
-    /// Fits what lies between two corners into a frame of width `width` with its upper left corner at `corner`.
-    pub(super) fn fit((low, high): (c64, c64), corner: Point, width: f64) -> Self {
+    /// Fits what lies between two corners into a frame with its upper left corner at `corner`, of width `width`, at most
+    /// `highest` high.
+    pub(super) fn fit((low, high): (c64, c64), corner: Point, (width, highest): (f64, f64)) -> Self {
         let centre = (low + high) / 2.0;
         let least = LEAST_EXTENT.max(centre.norm() * 1e-6);
         let size = high - low;
         let (across, up) = (size.re.max(least), size.im.max(least));
-        let scale = ((width - 2.0 * PADDING) / across).min((HEIGHTS.1 - 2.0 * PADDING) / up);
-        let height = (up * scale + 2.0 * PADDING).clamp(HEIGHTS.0, HEIGHTS.1);
+        let scale = ((width - 2.0 * PADDING) / across).min((highest - 2.0 * PADDING) / up);
+        let height = (up * scale + 2.0 * PADDING).clamp(LOWEST, highest);
         View { frame: Rect { x: corner[0], y: corner[1], w: width, h: height }, scale, centre }
     }
 

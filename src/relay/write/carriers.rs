@@ -1,6 +1,8 @@
 //! Boxes, and those who hand them on.
 
-use super::text::{Group, body, degrees, group, point, quoted};
+use super::text::{
+    Group, HARD, Relative, body, carry, character, degrees, group, point, quoted, relative, sync,
+};
 use crate::geometry::cis;
 use crate::relay::Relay;
 use crate::relay::acts::{GRASP, PALMS_APART, STATURE, turn_name};
@@ -23,35 +25,35 @@ pub(super) fn boxes(layout: &Layout) -> Group {
     Group {
         keys: &["n", "by", "position", "facing", "ahead", "begins"],
         rows: rows.collect(),
-        tables: r#"
+        tables: box_tables(),
+    }
+}
+
+fn box_tables() -> String {
+    let object = r#"
 [[group.object]]
 name = "box {n}"
 size = [0.44, 0.3, 0.3]                     # ahead, up, across: room for the hands of two, one before the other's
 position = "{position}"
 facing = "{facing}"
-
-[[group.relative]]
-name = "carrier {by} before box {n}"
-at = "carrier {by}/pick up:grasp"
-to = "box {n}"
-offset = ["{ahead}", 0.0]
-facing = 0.0
-strength = "hard"
-
-[[group.carry]]
-name = "carrier {by} has box {n}"
-object = "box {n}"
-by = ["carrier {by}"]
-during = ["carrier {by}/pick up:grasp", "carrier {by}/hand over:release"]
-
+"#;
+    let begins = r#"
 [[group.time]]
 name = "box {n} begins"
 at = "carrier {by}:start"
 seconds = "{begins}"
 strength = "hard"
-"#
-            .to_owned(),
-    }
+"#;
+    let before = relative(&Relative {
+        name: "carrier {by} before box {n}",
+        at: "carrier {by}/pick up:grasp",
+        to: "box {n}",
+        offset: "[\"{ahead}\", 0.0]",
+        facing: Some("0.0"),
+        strength: HARD,
+    });
+    let has = carry(("carrier {by}", "box {n}"), ("pick up:grasp", "hand over:release"));
+    [object, &before, &has, begins].concat()
 }
 
 pub(super) fn first(layout: &Layout) -> String {
@@ -87,28 +89,15 @@ fn taker(n: usize, carrier: &Carrier, turned: i32) -> Vec<String> {
     ]
 }
 
-const MIDDLE: &str = r#"
-[[group.character]]
-name = "carrier {n}"
-track = ["{comes}", "take over", "{turns}", "carry", "hand over", "rest"]
-skeleton = "{body}"
-position = "{position}"
-facing = "{facing}"
-
-[[group.carry]]
-name = "carrier {n} has box {box}"
-object = "box {box}"
-by = ["carrier {n}"]
-during = ["carrier {n}/take over:grasp", "carrier {n}/hand over:release"]
-"#;
-
 const CHANGES: &str = r#"
 [group.discrete]
 times = [["carrier {n}/carry:start", "carrier {n}/carry:end"]]
 "#;
 
 fn taking(relay: &Relay) -> String {
-    format!("{MIDDLE}{}", if relay.discrete { CHANGES } else { "" })
+    let track = r#"["{comes}", "take over", "{turns}", "carry", "hand over", "rest"]"#;
+    let has = carry(("carrier {n}", "box {box}"), ("take over:grasp", "hand over:release"));
+    [character("carrier {n}", track).as_str(), &has, if relay.discrete { CHANGES } else { "" }].concat()
 }
 
 pub(super) fn between(layout: &Layout) -> Group {
@@ -134,21 +123,8 @@ pub(super) fn between(layout: &Layout) -> Group {
     Group {
         keys: &["n", "box", "position", "facing", "body", "track"],
         rows: rows.collect(),
-        tables: r#"
-[[group.character]]
-name = "carrier {n}"
-track = "{track}"
-skeleton = "{body}"
-position = "{position}"
-facing = "{facing}"
-
-[[group.carry]]
-name = "carrier {n} has box {box}"
-object = "box {box}"
-by = ["carrier {n}"]
-during = ["carrier {n}/take over:grasp", "carrier {n}/put down:release"]
-"#
-        .to_owned(),
+        tables: character("carrier {n}", "\"{track}\"")
+            + &carry(("carrier {n}", "box {box}"), ("take over:grasp", "put down:release")),
     }
 }
 
@@ -163,6 +139,10 @@ pub(super) fn last(relay: &Relay, layout: &Layout) -> String {
     text.replace("hand over", "put down")
 }
 
+/// The moments that a hand-over is for the two.
+const TAKES: &str = "carrier {n+1}/take over:grasp";
+const GIVES: &str = "carrier {n}/hand over:release";
+
 pub(super) fn hand_overs(layout: &Layout) -> Group {
     let pairs = layout.carriers.windows(2).enumerate();
     let rows = pairs.map(|(n, pair)| {
@@ -171,21 +151,14 @@ pub(super) fn hand_overs(layout: &Layout) -> Group {
     Group {
         keys: &["n", "apart"],
         rows: rows.collect(),
-        tables: r#"
-[[group.relative]]
-name = "carrier {n+1} before carrier {n}"
-at = "carrier {n+1}/take over:grasp"
-to = "carrier {n}/hand over:release"
-offset = ["{apart}", 0.0]
-facing = 180.0
-strength = "hard"
-
-[[group.sync]]
-name = "hand-over {n}"
-moments = ["carrier {n+1}/take over:grasp", "carrier {n}/hand over:release"]
-strength = "hard"
-"#
-        .to_owned(),
+        tables: relative(&Relative {
+            name: "carrier {n+1} before carrier {n}",
+            at: TAKES,
+            to: GIVES,
+            offset: "[\"{apart}\", 0.0]",
+            facing: Some("180.0"),
+            strength: HARD,
+        }) + &sync("hand-over {n}", [TAKES, GIVES], None),
     }
 }
 
@@ -216,3 +189,16 @@ pub(super) fn end(layout: &Layout) -> String {
         point(carrier.give.position)
     )
 }
+
+/// Drags the end on, straight ahead, half a metre at a time.
+pub(super) fn drag(layout: &Layout, metres: f64) -> String {
+    let last = layout.carriers[layout.carriers.len() - 1].give;
+    let to = point(last.position + cis(last.facing) * metres);
+    let steps = format!("{:.0}", (metres / DRAG_STEP).ceil());
+    format!(
+        "\n# The end is dragged on by {metres} m.\n\n[[drag]]\nhandle = \"the end\"\nto = {to}\nsteps = {steps}\n"
+    )
+}
+
+/// Metres by which the end is dragged from one update to the next.
+const DRAG_STEP: f64 = 0.5;

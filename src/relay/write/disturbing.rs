@@ -2,10 +2,10 @@
 
 use std::fmt::Write;
 
-use super::text::{Group, body, degrees, group, point, quoted};
+use super::text::{Group, HARD, Relative, body, character, degrees, group, point, quoted, relative, sync};
 use crate::geometry::c64;
 use crate::relay::acts::Place;
-use crate::relay::disturbers::{ASIDE_AT, BESIDE, Disturber, aside_name, pat_from};
+use crate::relay::disturbers::{ASIDE_AT, BESIDE, Disturber, PAT_FROM, TAKEOFF, aside_name, pat_from};
 use crate::relay::layout::{Layout, disturbed};
 use crate::relay::{Disturbance, Relay};
 
@@ -26,11 +26,11 @@ pub(super) fn disturbing(relay: &Relay, layout: &Layout) -> String {
             Disturbance::Pat => pat_row(*index, disturber),
         });
         let (keys, tables) = match how {
-            Disturbance::Aside => (ASIDE_KEYS, ASIDE_TABLES),
-            Disturbance::Jump => (JUMP_KEYS, JUMP_TABLES),
-            Disturbance::Pat => (PAT_KEYS, PAT_TABLES),
+            Disturbance::Aside => (ASIDE_KEYS, aside_tables()),
+            Disturbance::Jump => (JUMP_KEYS, jump_tables()),
+            Disturbance::Pat => (PAT_KEYS, pat_tables()),
         };
-        text += &group(&Group { keys, rows: rows.collect(), tables: tables.to_owned() });
+        text += &group(&Group { keys, rows: rows.collect(), tables });
     }
     debug_assert!(relay.disturbers != Some(0) || text.is_empty(), "nobody disturbs unasked");
     text
@@ -55,28 +55,23 @@ fn aside_row(index: usize, disturber: &Disturber) -> Vec<String> {
     row
 }
 
-const ASIDE_TABLES: &str = r#"
-[[group.character]]
-name = "disturber {n}"
-track = ["{steps}"]
-skeleton = "{body}"
-position = "{position}"
-facing = "{facing}"
+/// A carrier's moment half way.
+const HALFWAY: &str = "carrier {carrier}/carry:halfway";
+/// What such a moment is held together with.
+const AS_COMES: &str = "disturber {n} as carrier {carrier} comes";
 
-[[group.relative]]
-name = "disturber {n} before carrier {carrier}"
-at = "disturber {n}/{steps}:aside"
-to = "carrier {carrier}/carry:halfway"
-offset = [1.1, "{left}"]
-facing = 180.0
-strength = 1.0
-
-[[group.sync]]
-name = "disturber {n} as carrier {carrier} comes"
-moments = ["disturber {n}/{steps}:aside", "carrier {carrier}/carry:halfway"]
-offset = "{late}"
-strength = "hard"
-"#;
+fn aside_tables() -> String {
+    let at = "disturber {n}/{steps}:aside";
+    let before = relative(&Relative {
+        name: "disturber {n} before carrier {carrier}",
+        at,
+        to: HALFWAY,
+        offset: &format!("[{:?}, \"{{left}}\"]", ASIDE_AT.0),
+        facing: Some("180.0"),
+        strength: "1.0",
+    });
+    character("disturber {n}", "[\"{steps}\"]") + &before + &sync(AS_COMES, [at, HALFWAY], Some("{late}"))
+}
 
 const JUMP_KEYS: &[&str] =
     &["n", "carrier", "position", "facing", "body", "hurdle", "heading", "late", "left"];
@@ -94,41 +89,36 @@ fn jump_row(index: usize, disturber: &Disturber) -> Vec<String> {
     row
 }
 
-const JUMP_TABLES: &str = r#"
-[[group.character]]
-name = "disturber {n}"
-track = ["come", "jump", "come"]
-skeleton = "{body}"
-position = "{position}"
-facing = "{facing}"
-
+fn jump_tables() -> String {
+    let at = "disturber {n}/jump:takeoff";
+    let hurdle = r#"
 [[group.object]]
 name = "hurdle {n}"
 size = [0.08, 0.3, 1.0]
 position = "{hurdle}"
 facing = "{heading}"
-
-[[group.relative]]
-name = "disturber {n} before its hurdle"
-at = "disturber {n}/jump:takeoff"
-to = "hurdle {n}"
-offset = [-0.35, 0.0]                       # of the pelvis, which is ahead of the feet: the flight is half way over it
-facing = 0.0
-strength = "hard"
-
-[[group.relative]]
-name = "carrier {carrier} beside hurdle {n}"
-at = "carrier {carrier}/carry:halfway"
-to = "hurdle {n}"
-offset = [0.3, "{left}"]
-strength = 1.0
-
-[[group.sync]]
-name = "disturber {n} as carrier {carrier} comes"
-moments = ["disturber {n}/jump:takeoff", "carrier {carrier}/carry:halfway"]
-offset = "{late}"
-strength = "hard"
 "#;
+    let pelvis = "# of the pelvis, which is ahead of the feet: the flight is half way over it";
+    let before = relative(&Relative {
+        name: "disturber {n} before its hurdle",
+        at,
+        to: "hurdle {n}",
+        offset: &format!("{:<35}{pelvis}", format!("[{:?}, 0.0]", -TAKEOFF)),
+        facing: Some("0.0"),
+        strength: HARD,
+    });
+    let beside = relative(&Relative {
+        name: "carrier {carrier} beside hurdle {n}",
+        at: HALFWAY,
+        to: "hurdle {n}",
+        offset: &format!("[{:?}, \"{{left}}\"]", BESIDE.0),
+        facing: None,
+        strength: "1.0",
+    });
+    let comes = sync(AS_COMES, [at, HALFWAY], Some("{late}"));
+    [character("disturber {n}", r#"["come", "jump", "come"]"#).as_str(), hurdle, &before, &beside, &comes]
+        .concat()
+}
 
 const PAT_KEYS: &[&str] = &["n", "carrier", "position", "facing", "body", "leaves", "ahead"];
 
@@ -138,44 +128,23 @@ fn pat_row(index: usize, disturber: &Disturber) -> Vec<String> {
     row
 }
 
-const PAT_TABLES: &str = r#"
-[[group.character]]
-name = "disturber {n}"
-track = ["pat", "{leaves}"]
-skeleton = "{body}"
-position = "{position}"
-facing = "{facing}"
-
-[[group.relative]]
-name = "disturber {n} behind carrier {carrier}"
-at = "disturber {n}/pat:hit"
-to = "carrier {carrier}/wait:patted"
-offset = ["{ahead}", 0.1]
-facing = 0.0
-strength = "hard"
-
-[[group.sync]]
-name = "disturber {n} pats carrier {carrier}"
-moments = ["disturber {n}/pat:hit", "carrier {carrier}/wait:patted"]
-strength = "hard"
-
+fn pat_tables() -> String {
+    let (at, to) = ("disturber {n}/pat:hit", "carrier {carrier}/wait:patted");
+    let behind = relative(&Relative {
+        name: "disturber {n} behind carrier {carrier}",
+        at,
+        to,
+        offset: &format!("[\"{{ahead}}\", {:?}]", PAT_FROM.1),
+        facing: Some("0.0"),
+        strength: HARD,
+    });
+    let hand = r#"
 [[group.end_effector]]
 name = "hand of disturber {n}"
 at = "disturber {n}/pat:hit"
 joint = "right_hand"
 target = { character = "carrier {carrier}", joint = "chest", point = [-0.1, 0.1, -0.16], at = "carrier {carrier}/wait:patted" }   # left, up, ahead
 "#;
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::relay::disturbers::{PAT_FROM, TAKEOFF};
-
-    #[test]
-    fn written_offsets_are_those_of_the_layout() {
-        assert!(ASIDE_TABLES.contains(&format!("offset = [{}, ", ASIDE_AT.0)));
-        assert!(JUMP_TABLES.contains(&format!("offset = [-{TAKEOFF}, 0.0]")));
-        assert!(JUMP_TABLES.contains(&format!("offset = [{}, ", BESIDE.0)));
-        assert!(PAT_TABLES.contains(&format!("offset = [\"{{ahead}}\", {}]", PAT_FROM.1)));
-    }
+    let pats = sync("disturber {n} pats carrier {carrier}", [at, to], None);
+    [character("disturber {n}", r#"["pat", "{leaves}"]"#).as_str(), &behind, &pats, hand].concat()
 }

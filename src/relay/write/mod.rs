@@ -7,7 +7,7 @@ mod text;
 use std::collections::BTreeSet;
 use std::fmt::Write;
 
-use self::carriers::{between, boxes, end, first, hand_overs, last, marks, middle};
+use self::carriers::{between, boxes, drag, end, first, hand_overs, last, marks, middle};
 use self::disturbing::disturbing;
 use self::text::{body, group, key};
 use super::acts::{Act, turn};
@@ -47,6 +47,7 @@ pub fn scene(relay: &Relay, layout: &Layout, command: &str) -> String {
         text += &group(&marks);
     }
     text += &end(layout);
+    text += &relay.drag.map_or(String::new(), |metres| drag(layout, metres));
     text += &disturbing(relay, layout);
     text
 }

@@ -26,6 +26,55 @@ pub(super) fn group(group: &Group) -> String {
     text + "]\n" + &group.tables
 }
 
+/// A character of a group, whose body and place its row gives; `track`: as in the file.
+pub(super) fn character(name: &str, track: &str) -> String {
+    format!(
+        "\n[[group.character]]\nname = \"{name}\"\ntrack = {track}\nskeleton = \"{{body}}\"\n\
+         position = \"{{position}}\"\nfacing = \"{{facing}}\"\n"
+    )
+}
+
+/// That one of a group has a box, from moment to moment.
+pub(super) fn carry((who, load): (&str, &str), (from, to): (&str, &str)) -> String {
+    format!(
+        "\n[[group.carry]]\nname = \"{who} has {load}\"\nobject = \"{load}\"\nby = [\"{who}\"]\n\
+         during = [\"{who}/{from}\", \"{who}/{to}\"]\n"
+    )
+}
+
+/// Where one of a group is, seen from another.
+pub(super) struct Relative<'a> {
+    pub(super) name: &'a str,
+    pub(super) at: &'a str,
+    pub(super) to: &'a str,
+    /// As in the file, with a remark if need be.
+    pub(super) offset: &'a str,
+    pub(super) facing: Option<&'a str>,
+    /// As in the file.
+    pub(super) strength: &'a str,
+}
+
+/// See [`Relative`].
+pub(super) fn relative(relative: &Relative) -> String {
+    let Relative { name, at, to, offset, facing, strength } = relative;
+    let facing = facing.map_or(String::new(), |facing| format!("facing = {facing}\n"));
+    format!(
+        "\n[[group.relative]]\nname = \"{name}\"\nat = \"{at}\"\nto = \"{to}\"\noffset = {offset}\n{facing}\
+         strength = {strength}\n"
+    )
+}
+
+/// That two moments of a group are one, or `offset` apart.
+pub(super) fn sync(name: &str, [one, other]: [&str; 2], offset: Option<&str>) -> String {
+    let offset = offset.map_or(String::new(), |offset| format!("offset = \"{offset}\"\n"));
+    format!(
+        "\n[[group.sync]]\nname = \"{name}\"\nmoments = [\"{one}\", \"{other}\"]\n{offset}strength = \"hard\"\n"
+    )
+}
+
+/// What holds exactly.
+pub(super) const HARD: &str = "\"hard\"";
+
 /// Name of a body.
 pub(super) fn body(stature: f64) -> String {
     format!("body {:.0}", 100.0 * stature)

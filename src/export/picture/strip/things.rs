@@ -32,6 +32,12 @@ pub struct StripTie {
     pub last: SourceFrame,
 }
 
+impl StripTie {
+    fn contains(&self, frame: SourceFrame) -> bool {
+        (self.first..=self.last).contains(&frame)
+    }
+}
+
 /// A box, and where it is at each frame of a clip.
 #[derive(Clone, Debug, PartialEq)]
 pub struct StripThing {
@@ -39,6 +45,8 @@ pub struct StripThing {
     pub size: [f64; 3],
     /// One a frame, or one for all of them.
     pub poses: Vec<ObjectPose>,
+    /// Who has it when: they are drawn wherever it is, so that it does not hang in the air.
+    pub carriers: Vec<StripTie>,
 }
 
 /// A thing is drawn with a body if it is no farther than an arm's length and a step from it, metres from the nearest side.
@@ -57,13 +65,18 @@ pub(super) fn groups<'a>(
     origin: DVec3,
 ) -> impl Iterator<Item = Group> + 'a {
     things.iter().filter_map(move |thing| {
-        let pose = thing.poses.get(frame).or_else(|| thing.poses.last())?;
-        let [ahead, _, across] = thing.size;
-        let away = plan_of(pose.local(origin));
-        let beyond = |along: f64, size: f64| (along.abs() - 0.5 * size).max(0.0);
-        let is_near = beyond(away.re, ahead).hypot(beyond(away.im, across)) < NEAR;
-        is_near.then(|| Group { kind: Kind::Thing, parts: faces(thing.size, pose), bias: 0.0 })
+        let pose = near(thing, frame, origin)?;
+        Some(Group { kind: Kind::Thing, parts: faces(thing.size, pose), bias: 0.0 })
     })
+}
+
+/// Where a thing is at a frame, if that is near a body that stands above `origin`.
+fn near(thing: &StripThing, frame: usize, origin: DVec3) -> Option<&ObjectPose> {
+    let pose = thing.poses.get(frame).or_else(|| thing.poses.last())?;
+    let [ahead, _, across] = thing.size;
+    let away = plan_of(pose.local(origin));
+    let beyond = |along: f64, size: f64| (along.abs() - 0.5 * size).max(0.0);
+    (beyond(away.re, ahead).hypot(beyond(away.im, across)) < NEAR).then_some(pose)
 }
 
 /// The partners near a body, each with its place in the company and what draws it, at any of the frames.
@@ -104,9 +117,11 @@ pub(super) fn partner_groups(
 fn is_beside(company: &Company, who: usize, (frame, place): (SourceFrame, DVec3)) -> bool {
     let partner = company.partners[who];
     let root = partner.root_positions[shown(partner, frame).as_usize()];
-    let is_tied =
-        company.ties.iter().any(|tie| tie.partner == who && (tie.first..=tie.last).contains(&frame));
-    (plan_of(root) - plan_of(place)).norm() < if is_tied { TIED } else { BESIDE }
+    let with = |ties: &[StripTie]| ties.iter().any(|tie| tie.partner == who && tie.contains(frame));
+    let mut things = company.things.iter().filter(|thing| with(&thing.carriers));
+    let carries = things.any(|thing| near(thing, frame.as_usize(), place).is_some());
+    let far = if carries || with(company.ties) { TIED } else { BESIDE };
+    (plan_of(root) - plan_of(place)).norm() < far
 }
 
 /// After its end a clip holds its last pose.
