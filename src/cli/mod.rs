@@ -15,6 +15,7 @@ mod produce;
 mod relay;
 mod run;
 mod summary;
+mod touch_up;
 
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -48,6 +49,8 @@ enum Command {
     Inspect(InspectArgs),
     /// Write a clip as BVH: another rate, unit, rotation order, other joint names.
     Convert(ConvertArgs),
+    /// Make a clip physically plausible: turn the body a little so that the ground can bear it, let it fly on a parabola.
+    TouchUp(touch_up::TouchUpArgs),
     /// List the generated clips, or write one as BVH.
     Clips(ClipsArgs),
     /// Write the scene of a crowd that hands boxes on along a curve.
@@ -233,6 +236,7 @@ pub(crate) fn main() -> ExitCode {
         Command::Check(args) => check::check(&args),
         Command::Inspect(args) => inspect::inspect(&args),
         Command::Convert(args) => convert::convert(&args),
+        Command::TouchUp(args) => touch_up::command(&args),
         Command::Clips(args) => inspect::clips(&args),
         Command::Relay(args) => relay::relay(&args),
         Command::Schema(args) => schema(&args),

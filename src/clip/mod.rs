@@ -5,6 +5,7 @@ pub mod builtin;
 pub mod bvh;
 pub mod contacts;
 pub mod deepmimic;
+pub mod derived;
 pub mod facing;
 pub mod file;
 mod file_motion;

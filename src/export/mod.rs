@@ -12,3 +12,4 @@ pub mod report;
 pub mod scene;
 pub mod shards;
 pub mod strips;
+pub mod touch_up_report;

@@ -58,7 +58,16 @@ pub struct LinkForces {
 
 /// Forces on the links of `body` in all frames of `posed`. Cost: linear in frames times links.
 pub fn link_forces(body: &BodyModel, posed: &PosedClip, settings: &ForceSettings<'_>) -> LinkForces {
-    let places = link_places(body, posed);
+    link_forces_at(link_places(body, posed), body, posed, settings)
+}
+
+/// [`link_forces`] of links whose `places`, of [`link_places`], are known.
+pub fn link_forces_at(
+    places: Lanes,
+    body: &BodyModel,
+    posed: &PosedClip,
+    settings: &ForceSettings<'_>,
+) -> LinkForces {
     let mut forces = settings.filter.accelerations(&places, posed.fps);
     for (index, link) in body.links.iter().enumerate() {
         let [x, y, z] = forces.vector_mut(index);
@@ -153,7 +162,7 @@ pub fn reactions(forces: &LinkForces) -> Vec<Reaction> {
 /// full.
 const LEAST_LOAD: f64 = 0.3;
 /// Nearer to the ends of a clip than this there is none, seconds: filters have no data there.
-const CLIP_END: f64 = 0.17;
+pub const CLIP_END: f64 = 0.17;
 
 /// How far the zero moment point of one frame counts, 0 to 1. `load`: vertical force over weight.
 pub fn confidence_of(load: f64) -> f64 {

@@ -13,6 +13,7 @@ use crate::scene::busy::Performers;
 use crate::scene::checker::{Checked, check_intervals, plan_point};
 use crate::scene::clips::{self, ClipFolders, Declared, Folders, check_name, within};
 use crate::scene::constraints;
+use crate::scene::derived;
 use crate::scene::moment::{Entry, Member};
 use crate::scene::report::{At, Lines, Place, Report};
 use crate::scene::tree::Field;
@@ -136,6 +137,7 @@ fn cast(raw: &raw::Scene, clips: &[Declared], report: &mut Report) -> Vec<Member
         member
     });
     let cast = members.collect();
+    derived::mark_parents(raw, clips, &mut used);
     clips::warn_of_unused(clips, &used, report);
     cast
 }

@@ -14,6 +14,7 @@ use crate::clip::working::{WORKING_STEP, WorkingClip};
 use crate::clip::{Clip, builtin};
 use crate::index::SourceFrame;
 use crate::scene::annotations::annotations;
+use crate::scene::derived::{fill, is_derived};
 use crate::scene::moment::{Entry, SEPARATORS};
 use crate::scene::raw;
 use crate::scene::report::{At, Place, Report};
@@ -64,8 +65,9 @@ const LONGEST_CLIP: f64 = 86_400.0;
 
 /// Reads the clips that `scene` declares.
 pub fn declared(scene: &raw::Scene, folders: Folders<'_>, report: &mut Report) -> Vec<Declared> {
-    let clips: &[_] = scene.clips.value().map_or(&[], |clips| &clips.0);
+    let Some(clips) = scene.clips.value() else { return Vec::new() };
     let sources: Vec<_> = clips
+        .0
         .iter()
         .map(|(name, clip)| {
             check_name(&At { value: name.clone(), place: clip.place.clone() }, "clip", report);
@@ -73,22 +75,18 @@ pub fn declared(scene: &raw::Scene, folders: Folders<'_>, report: &mut Report) -
         })
         .collect();
     let results = read_once(&sources);
-    clips
-        .iter()
-        .zip(&sources)
-        .map(|((name, clip), source)| {
-            let place = &clip.place;
-            let read = source.as_ref().and_then(|(source, place)| match &results[&source.key()] {
-                Ok(read) => Some(read),
-                Err(Unreadable { message, help }) => {
-                    report.fault(place, message.clone(), help.clone());
-                    None
-                }
-            });
-            let entry = entry(name, clip, read, report);
-            Declared { place: place.clone(), entry }
-        })
-        .collect()
+    let mut entries = Vec::with_capacity(sources.len());
+    for ((name, clip), source) in clips.0.iter().zip(&sources) {
+        let read = source.as_ref().and_then(|(source, place)| match &results[&source.key()] {
+            Ok(read) => Some(read),
+            Err(Unreadable { message, help }) => {
+                report.fault(place, message.clone(), help.clone());
+                None
+            }
+        });
+        entries.push((!is_derived(&clip.value)).then(|| entry(name, clip, read, report)));
+    }
+    fill(clips, entries, report)
 }
 
 /// Reports a name that moments could not hold.
@@ -115,7 +113,7 @@ fn read_once(sources: &[Option<(Source, Place)>]) -> BTreeMap<String, Result<Rea
 /// Where `clip` comes from, and the place that says so.
 fn source_of(clip: &At<raw::Clip>, folders: Folders<'_>, report: &mut Report) -> Option<(Source, Place)> {
     match &clip.value {
-        raw::Clip::Spoiled => None,
+        raw::Clip::Spoiled | raw::Clip::Derived(_) | raw::Clip::Blended(_) => None,
         raw::Clip::Source(text) => match text.strip_prefix("builtin:") {
             Some(asked) => match builtin::request(asked) {
                 Ok((name, parameters)) => Some((Source::Builtin { name, parameters }, clip.place.clone())),
@@ -233,11 +231,13 @@ pub fn within(field: &Field<f64>, largest: f64, what: &str, report: &mut Report)
 const NOTE_HELP: &str = "settle it in the clip's table, or leave it if it is right";
 
 /// The clip as its tracks use it: range and named frames.
-fn entry(name: &str, declared: &At<raw::Clip>, read: Option<&Read>, report: &mut Report) -> Entry {
+pub fn entry(name: &str, declared: &At<raw::Clip>, read: Option<&Read>, report: &mut Report) -> Entry {
     let (frames, events, contacts) = match &declared.value {
         raw::Clip::Source(_) | raw::Clip::Spoiled => (&Field::Absent, &Field::Absent, &Field::Absent),
         raw::Clip::File(file) => (&file.frames, &file.events, &file.contacts),
         raw::Clip::Builtin(builtin) => (&builtin.frames, &builtin.events, &builtin.contacts),
+        raw::Clip::Derived(clip) => (&clip.frames, &clip.events, &clip.contacts),
+        raw::Clip::Blended(clip) => (&clip.frames, &clip.events, &clip.contacts),
     };
     check_event_names(events, report);
     let Some(Read { clip, notes }) = read else {

@@ -7,6 +7,7 @@ pub mod check;
 pub mod checker;
 pub mod clips;
 pub mod constraints;
+pub mod derived;
 pub mod diagnostic;
 pub mod discrete;
 pub mod drags;

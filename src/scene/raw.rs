@@ -12,7 +12,7 @@ use crate::scene::things::{Carry, EndEffector, FullBody, Object};
 use crate::scene::tree::{Field, Keys, Node, Read, table, wrong_type};
 use crate::scene::unavailable::Physics;
 use crate::scene::values::{
-    Mode, Named, Offset, OneOrPair, Pair, RelativeFacing, Strength, Tables, Unit, Up,
+    Mode, Named, Offset, OneOrPair, Pair, RelativeFacing, Strength, Tables, Turning, Unit, Up,
 };
 
 table! {
@@ -73,6 +73,10 @@ pub enum Clip {
     File(Box<FileClip>),
     /// A generated clip.
     Builtin(Box<BuiltinClip>),
+    /// Another clip of `[clips]`, bent or tilted.
+    Derived(Box<DerivedClip>),
+    /// Two other clips of `[clips]`, one going over into the other.
+    Blended(Box<BlendedClip>),
     /// Something else, already reported; the name of the clip stays known.
     #[schemars(skip)]
     Spoiled,
@@ -86,12 +90,24 @@ impl Read for Clip {
                 let clip = BuiltinClip::read(node, report)?;
                 Some(Self::Builtin(Box::new(clip)))
             }
+            DeValue::Table(keys) if keys.contains_key("from") => {
+                let clip = DerivedClip::read(node, report)?;
+                Some(Self::Derived(Box::new(clip)))
+            }
+            DeValue::Table(keys) if keys.contains_key("blend") => {
+                let clip = BlendedClip::read(node, report)?;
+                Some(Self::Blended(Box::new(clip)))
+            }
             DeValue::Table(_) => {
                 let clip = FileClip::read(node, report)?;
                 Some(Self::File(Box::new(clip)))
             }
             _ => {
-                wrong_type(node, "a file name in quotes, or a table with \"file\" or \"builtin\"", report);
+                wrong_type(
+                    node,
+                    "a file name in quotes, or a table with \"file\", \"builtin\", \"from\" or \"blend\"",
+                    report,
+                );
                 Some(Self::Spoiled)
             }
         }
@@ -127,6 +143,62 @@ table! {
             strict: bool,
             /// Whether single frames that are no numbers or cannot be motion are filled in.
             repair: bool,
+        }
+    }
+}
+
+table! {
+    /// Another clip of `[clips]`, its frames laid elsewhere: bent, then tilted. Its range, events and contacts stay.
+    DerivedClip {
+        required {
+            /// Name of the other clip.
+            from: String,
+        }
+        optional {
+            /// Its way, laid onto an arc.
+            bend: Bend,
+            /// It is turned as a whole about the sideways axis: degrees, uphill positive.
+            #[schemars(range(min = -60, max = 60))]
+            tilt: f64,
+            /// First and last frame to use, as the other counts them, both included.
+            frames: Pair<u32>,
+            /// Named frames, besides those of the other.
+            events: Named<u32>,
+            /// Contacts, besides those of the other.
+            contacts: Tables<Contact>,
+        }
+    }
+}
+
+table! {
+    /// An arc that a way is laid onto.
+    Bend {
+        required {
+            /// Metres.
+            #[schemars(range(max = 100_000))]
+            radius: f64,
+        }
+        optional {
+            /// "left" (if left out) or "right".
+            to: Turning,
+        }
+    }
+}
+
+table! {
+    /// The first clip up to its last cycle, which goes over into the first cycle of the second, then the rest of that.
+    BlendedClip {
+        required {
+            /// Names of two other clips of `[clips]`, of the same body at the same rate.
+            blend: Pair<String>,
+        }
+        optional {
+            /// First and last frame to use, counted from 0 at the first of the blend, both included.
+            frames: Pair<u32>,
+            /// Named frames, counted likewise.
+            events: Named<u32>,
+            /// Contacts, counted likewise.
+            contacts: Tables<Contact>,
         }
     }
 }

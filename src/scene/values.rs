@@ -222,6 +222,16 @@ words! {
 }
 
 words! {
+    /// Where a way turns.
+    Turning {
+        /// Counter-clockwise seen from above.
+        Left = "left",
+        /// Clockwise seen from above.
+        Right = "right",
+    }
+}
+
+words! {
     /// How planted feet hold.
     Plants {
         /// With the small drift of their capture.

@@ -24,6 +24,7 @@ mod simplify;
 mod strip;
 mod stroke_font;
 mod svg;
+mod touch_up;
 mod tracks;
 mod view;
 
@@ -34,6 +35,7 @@ pub use extent::{Extent, extent_of};
 pub use matrix::graph_svg;
 pub use png::{PictureError, to_png};
 pub use strip::{Company, StripOptions, StripThing, StripTie, StripView, strip_svg};
+pub use touch_up::{TouchUpCurves, touch_up_svg};
 
 use crowd::CROWD;
 use legend::draw_legend;

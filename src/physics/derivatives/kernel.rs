@@ -54,6 +54,22 @@ pub fn smooth(lanes: &Lanes, kernel: &Kernel) -> Lanes {
     result
 }
 
+/// `lanes` convolved with `kernel`, with zeros before the first and after the last frame: for displacements, of which there are none
+/// there. Lanes of zeros stay so. Cost: as of [`smooth`].
+pub fn smooth_from_rest(lanes: &Lanes, kernel: &Kernel) -> Lanes {
+    let (count, half) = (lanes.frame_count, kernel.half());
+    let mut result = Lanes::zeros(lanes.lane_count(), count);
+    let mut extended = vec![0.0; count + 2 * half];
+    for index in 0..lanes.lane_count() {
+        let lane = lanes.lane(index);
+        if lane.iter().any(|value| *value != 0.0) {
+            extended[half..half + count].copy_from_slice(lane);
+            convolve(&extended, kernel, result.lane_mut(index));
+        }
+    }
+    result
+}
+
 /// `lane` with `more` frames before and after it, into `extended`: `x_{−j} = 2 x_0 − x_j`, likewise at the end, over and over
 /// where the lane is shorter than that.
 pub(super) fn extend(lane: &[f64], more: usize, extended: &mut Vec<f64>) {

@@ -12,7 +12,7 @@ mod lanes;
 pub mod orientation;
 
 pub use butterworth::low_pass;
-pub use kernel::{Kernel, smooth};
+pub use kernel::{Kernel, smooth, smooth_from_rest};
 pub use lanes::Lanes;
 
 /// Width of the kernel before derivatives, frames at 30 fps.
