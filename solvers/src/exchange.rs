@@ -170,23 +170,23 @@ fn take_off([re, im]: &mut Parts, column: usize, (own_re, own_im): (&[f64], &[f6
 }
 
 impl Compliance {
-    /// The problem with other springs for `path` and other terms and weights of the rows on it: `rows` are those given, all
-    /// others as they are. It is solved with [`PathResponse::factor`](crate::PathResponse::factor), and cannot be factored by
+    /// The problem with other springs for `path` and other terms and weights of the rows on it: `rows` are terms and weights
+    /// of those given, all others as they are. It is solved with [`PathResponse::factor`](crate::PathResponse::factor), and cannot be factored by
     /// itself: it knows no terms. `None` where it has other unknowns, or motions are free. Cost: by the points and rows of the
     /// path.
     pub fn with_path<'a>(
         &self,
         path: usize,
-        springs: SpringPath,
-        rows: impl Iterator<Item = &'a PointRow<c64>>,
+        springs: Arc<SpringPath>,
+        rows: impl Iterator<Item = (&'a [(usize, usize, c64)], Option<f64>)>,
     ) -> Option<Self> {
         let own = self.first_pieces[path]..self.first_pieces[path + 1];
         let first_joint = self.given + 2 * (own.start - path);
         let (mut terms, mut all) = (Vec::new(), Vec::with_capacity(self.rows.len()));
-        for (index, row) in rows.enumerate() {
-            let own = row.terms.iter().filter(|term| term.0 == path);
+        for (index, (row, weight)) in rows.enumerate() {
+            let own = row.iter().filter(|term| term.0 == path);
             terms.extend(own.map(|(_, point, value)| (index, *point, *value)));
-            all.push(PointRow { terms: Vec::new(), weight: row.weight });
+            all.push(PointRow { terms: Vec::new(), weight });
         }
         if !self.free.is_empty() || all.len() != self.given {
             return None;
@@ -199,7 +199,7 @@ impl Compliance {
         }
         let mut loads = self.loads.clone();
         for (piece, index) in pieces.iter().zip(own) {
-            let known = PathLoads::new(&springs, piece.own.clone(), &piece.terms);
+            let known = PathLoads::new(&*springs, piece.own.clone(), &piece.terms);
             let motions = self.layout.similarities[index + 1] - self.layout.similarities[index];
             if known.motions() != motions || !known.is_finite() {
                 return None;
@@ -207,7 +207,7 @@ impl Compliance {
             loads[index] = Arc::new(known);
         }
         let mut paths = self.paths.clone();
-        paths[path] = Arc::new(springs);
+        paths[path] = springs;
         Some(self.like(paths, all, loads))
     }
 }

@@ -162,7 +162,12 @@ impl<'a> Frames<'a> {
         let mut known = false;
         for i in 0..self.nodes.len() {
             let last = (i + settings.longest).min(self.nodes.len().saturating_sub(2));
-            for j in (i + settings.shortest..=last).filter(|j| self.allowed(i, *j, settings)) {
+            for j in i + settings.shortest..=last {
+                // Most frames are like none but themselves: what lies between two of them is itself all there is.
+                let only_same = alike[i].len() == 1 && alike[j].len() == 1 && self.runs[i] == self.runs[j];
+                if only_same && known || !self.allowed(i, j, settings) {
+                    continue;
+                }
                 let least = self.least_exchange((i, j), settings);
                 for (from, before) in &alike[i] {
                     for (to, after) in &alike[j] {
@@ -290,11 +295,23 @@ pub fn outcome(seen: &Seen<'_>, candidate: &Candidate) -> Vec<u64> {
 /// The same; `shown`: by the track then.
 fn outcome_of(seen: &Seen<'_>, candidate: &Candidate, shown: &[Stretch]) -> Vec<u64> {
     let mut key = sequence(seen, shown);
-    key.reserve(seen.protected.moments.len());
-    let moment =
-        |frame: &f64| candidate.splice.map_instant(*frame, candidate.keep).map_or(u64::MAX, f64::to_bits);
-    key.extend(seen.protected.moments.iter().map(moment));
+    let (stay, follow) = moments_after(seen, candidate);
+    key.extend([stay as u64, follow as u64]);
     key
+}
+
+/// How many of the moments stay where they are, and from which one on all move by as many frames as come or go: with the
+/// sequence, this says where each of them is. Where as many come as go, those taken out part the others.
+fn moments_after(seen: &Seen<'_>, candidate: &Candidate) -> (usize, usize) {
+    let (moments, count) = (&seen.protected.moments, seen.track.frame_count());
+    let place = |frame: &f64| candidate.splice.map_instant(*frame, candidate.keep);
+    if candidate.splice.new_count(count) == count {
+        let gone = |frame: &f64| place(frame).is_none();
+        let first = moments.iter().position(gone).unwrap_or(moments.len());
+        return (first, moments.iter().rposition(gone).map_or(moments.len(), |last| last + 1));
+    }
+    let stay = moments.partition_point(|frame| place(frame) == Some(*frame));
+    (stay, stay + moments[stay..].partition_point(|frame| place(frame).is_none()))
 }
 
 /// Clip, first and last frame of each stretch of frames that follow each other.

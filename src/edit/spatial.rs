@@ -13,10 +13,11 @@ use cotillion_solvers::KktError;
 use crate::edit::bodies::leave_to_the_body;
 use crate::edit::clash::{self, Miss};
 use crate::edit::columns::Freedom;
-use crate::edit::direction::{Direction, run_chord};
+use crate::edit::direction::Direction;
 use crate::edit::energy::length;
 use crate::edit::facing::{Body, hold_facings};
 use crate::edit::hold::{Phase, Prepared, Rotations};
+use crate::edit::own_path::chords;
 use crate::edit::parallel::for_each_path;
 use crate::edit::phase::PhaseSolver;
 use crate::edit::reference::reference_translations;
@@ -253,9 +254,12 @@ impl SpatialComponent {
         if let Some(ended) = self.solve_shape(drawn_up_to)? {
             return Ok(ended);
         }
+        let before = self.may_turn().then(|| self.rotations.clone());
         if self.update_rotations() {
-            if let Some(ended) = self.solve_shape(most)? {
-                return Ok(ended);
+            if before.is_none_or(|before| self.asks_otherwise(&before)) {
+                if let Some(ended) = self.solve_shape(most)? {
+                    return Ok(ended);
+                }
             }
             self.update_rotations();
         }
@@ -263,6 +267,7 @@ impl SpatialComponent {
         if self.energy.shape + self.energy.shape_soft > most {
             return Ok(Attempt::Ended(Solved::TooMuch));
         }
+        self.turn_paths();
         if self.lacks_scale {
             return Ok(Attempt::Ended(Solved::LacksScale));
         }
@@ -289,13 +294,10 @@ impl SpatialComponent {
         if self.energy.shape + self.energy.shape_soft > most {
             return Ok(Some(Attempt::Ended(Solved::TooMuch)));
         }
-        let (shape, segments, chords, released) = (&self.shape, &self.segments, &self.chords, &self.released);
-        let bend = |path: usize, shaped: &mut Vec<c64>, turned: &mut TurnedPath| {
+        let shape = &self.shape;
+        let bend = |path: usize, shaped: &mut Vec<c64>, _: &mut TurnedPath| {
             let (rest, translation) = (&rests[path], translations[path]);
             shape.points(path, |frame| rest.positions[frame] + translation, shaped);
-            let kept = |(run, _): &(usize, _)| released.binary_search(&(path, *run)).is_err();
-            let runs = rest.rigid.iter().zip(chords[path].iter()).enumerate().filter(kept);
-            turned.follow(&segments[path], shaped, runs.map(|(_, run)| run));
         };
         for_each_path(rests, &mut self.shaped, &mut self.turned, bend);
         Ok(None)
@@ -361,11 +363,6 @@ impl SpatialComponent {
     pub fn gauges(&self) -> (usize, usize) {
         (self.shape.gauges(), self.scale.gauges())
     }
-}
-
-/// Longest chord of every stationary stretch of a path.
-pub(super) fn chords(rest: &RestPath) -> Vec<Direction> {
-    rest.rigid.iter().map(|run| run_chord(rest, *run)).collect()
 }
 
 fn centre(points: &[c64]) -> c64 {

@@ -11,9 +11,10 @@ use cotillion_solvers::{Effort, PathResponse};
 use crate::edit::bodies::leave_to_the_body;
 use crate::edit::facing::Body;
 use crate::edit::hold::{Phase, Prepared, Rotations};
+use crate::edit::own_path::OwnPath;
 use crate::edit::phase::PhaseSolver;
 use crate::edit::settings::FacingMode;
-use crate::edit::spatial::{SpatialComponent, chords, freedom};
+use crate::edit::spatial::{SpatialComponent, freedom};
 use crate::edit::turned::TurnedPath;
 use crate::geometry::c64;
 use crate::path::RestPath;
@@ -45,13 +46,13 @@ pub fn response(group: &SpatialComponent, path: usize) -> Option<GroupResponse> 
     Some(GroupResponse { path, phases, canvases: Mutex::default() })
 }
 
-/// The group with `rest` in place of a path, and the rows `held` with those on it, for the shape phase; of its bodies it tells
+/// The group with `other` in place of a path, and the rows `held` with those on it, for the shape phase; of its bodies it tells
 /// lengths only, and it is solved [with a canvas](on_canvas). `None` where more would change than that. Cost: linear in frames
 /// of the path and paths of the group, and by the square of the rows of the path.
 pub fn exchanged(
     group: &SpatialComponent,
     response: &GroupResponse,
-    rest: Arc<RestPath>,
+    other: &Arc<OwnPath>,
     mut held: Vec<Prepared>,
 ) -> Option<SpatialComponent> {
     let path = response.path;
@@ -59,18 +60,18 @@ pub fn exchanged(
         return None;
     }
     let mut rests = group.rests.clone();
-    rests[path] = rest;
+    rests[path] = Arc::clone(&other.rest);
     if group.settings.facing == FacingMode::TangentBlend {
         leave_to_the_body(&mut held, &rests);
     }
     let settings = group.settings;
     let (all, rows) = (rests.as_slice(), held.as_slice());
-    let own = |phase| (path, freedom((all, &[]), phase, &settings, &[]));
-    let shape = group.shape.exchanged(own(Phase::Shape), rows, &settings, &response.phases[0])?;
+    let own = (path, freedom((all, &[]), Phase::Shape, &settings, &[]), &**other);
+    let shape = group.shape.exchanged(own, rows, &settings, &response.phases[0])?;
     let mut segments = group.segments.clone();
-    segments[path] = Arc::new(rests[path].segments());
+    segments[path] = Arc::clone(&other.segments);
     let mut own_chords = group.chords.clone();
-    own_chords[path] = Arc::new(chords(&rests[path]));
+    own_chords[path] = Arc::clone(&other.chords);
     Some(SpatialComponent {
         shaped: Vec::new(),
         edited: Vec::new(),
@@ -133,18 +134,19 @@ impl Canvas {
     }
 }
 
-/// Gives an exchanged group its scale system, to be solved by `effort`; `None` where more would change than the path. Most shapes take too much already.
+/// Gives a group exchanged for `other` its scale system, to be solved by `effort`; `None` where more would change than the
+/// path. Most shapes take too much already.
 pub fn complete(
     group: &SpatialComponent,
     response: &GroupResponse,
-    (own, effort): (&mut SpatialComponent, Effort),
+    (own, other, effort): (&mut SpatialComponent, &OwnPath, Effort),
 ) -> Option<()> {
     if !group.released.is_empty() {
         return None;
     }
     let settings = own.settings;
     let freedom = freedom((&own.rests, &[]), Phase::Scale, &settings, &[]);
-    let path = (response.path, freedom);
+    let path = (response.path, freedom, other);
     own.scale = group.scale.exchanged(path, &own.held, &settings, &response.phases[1])?;
     set_effort(own, effort);
     own.lacks_scale = false;

@@ -41,7 +41,8 @@ impl Editor {
         let (index, place) = place_of(&self.spatial, variant.character).unwrap_or_default();
         let group = &self.spatial[index];
         let held = self.held_with((variant, &ObjectsThen::default()), index);
-        let rest_of = |path: usize| if path == place { &variant.rest } else { &group.component.rests[path] };
+        let rest_of =
+            |path: usize| if path == place { &variant.own.rest } else { &group.component.rests[path] };
         let sampling = |(path, who): (usize, &usize)| {
             let starts = self.scene.characters[*who].track.placed_runs().skip(1).map(|(_, start)| start);
             let seams: Vec<usize> = if path == place { variant.seams.clone() } else { starts.collect() };

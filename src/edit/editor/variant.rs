@@ -7,10 +7,11 @@ use cotillion_solvers::Effort;
 use crate::clip::working::WORKING_STEP;
 use crate::constraint::ConstraintKind;
 use crate::edit::EditError;
-use crate::edit::energy::{Energy, Extent, length};
+use crate::edit::energy::{Energy, Extent};
 use crate::edit::expand::{Expansion, Following, expand_some};
 use crate::edit::groups::Group;
 use crate::edit::hold::Prepared;
+use crate::edit::own_path::OwnPath;
 use crate::edit::retarget::{retarget, seconds_of};
 use crate::edit::spatial::{Solved, SpatialComponent};
 use crate::edit::temporal::{TemporalComponent, TemporalSettings};
@@ -33,9 +34,7 @@ pub struct Variant {
     /// Whose track.
     pub character: usize,
     /// Rest path of the other track.
-    pub rest: Arc<RestPath>,
-    /// Its length, metres.
-    pub(super) length: f64,
+    pub own: Arc<OwnPath>,
     /// Spatial rows of all constraints that name the character, in their order; paths are numbered as characters.
     pub(super) held: Vec<Prepared>,
     /// Temporal rows of these, likewise.
@@ -99,7 +98,7 @@ impl Variant {
         let objects =
             self.carries.iter().map(|own| own.2).chain(self.following.iter().map(|row| row.at.frame));
         let frames = points.map(|point| point.frame).chain(objects).map(f64::to_bits);
-        [self.character as u64, self.rest.len() as u64].into_iter().chain(frames).collect()
+        [self.character as u64, self.own.rest.len() as u64].into_iter().chain(frames).collect()
     }
 }
 
@@ -110,12 +109,11 @@ impl Editor {
     }
 
     /// The track that `character` has in `scene`, which differs from this editor's in nothing else but where moments on this
-    /// track are.
-    pub fn variant(&self, scene: &Scene, character: CharacterId) -> Variant {
+    /// track are; `own`: the path of that track.
+    pub fn variant(&self, scene: &Scene, character: CharacterId, own: Arc<OwnPath>) -> Variant {
         let who = character.as_usize();
-        let rest = Arc::new(scene.characters[who].track.rest_path());
         let mut rests: Vec<&RestPath> = self.edit.characters.iter().map(|own| &own.rest).collect();
-        rests[who] = &rest;
+        rests[who] = &own.rest;
         let names = |kind: &ConstraintKind| kind.moments().iter().any(|moment| moment.character == character);
         let Expansion { held, times, following } = expand_some(scene, &rests, names);
         let held = held.into_iter().map(|row| Prepared::new(row, &rests, self.settings.baseline)).collect();
@@ -124,8 +122,7 @@ impl Editor {
         let starts = scene.characters[who].track.placed_runs().skip(1).map(|(_, start)| start);
         let seams = starts.collect();
         let carries = self.ties.moments(scene, character);
-        let length = length(&rest.positions);
-        Variant { character: who, rest, length, held, times, constraints, seams, following, carries }
+        Variant { character: who, own, held, times, constraints, seams, following, carries }
     }
 
     /// How the paths of a character's group answer to changes of theirs, for any number of variants; `None` where that cannot
@@ -152,7 +149,7 @@ impl Editor {
         let (index, place) = place_of(&self.temporal, variant.character).unwrap_or_default();
         let Group { component, characters, frames, .. } = &self.temporal[index];
         let mut counts = component.counts.clone();
-        counts[place] = variant.rest.len();
+        counts[place] = variant.own.rest.len();
         let number = |track: usize| characters.binary_search(&track).unwrap_or_default();
         let mut rows = variant.times.clone();
         for row in &mut rows {
@@ -186,7 +183,7 @@ impl Editor {
         let (index, place) = place_of(&self.spatial, variant.character).unwrap_or_default();
         let group = &self.spatial[index];
         let mut rests = group.component.rests.clone();
-        rests[place] = Arc::clone(&variant.rest);
+        rests[place] = Arc::clone(&variant.own.rest);
         let mut spaces = vec![self.space(index, rests, self.held_with((variant, &timing.objects), index))?];
         for (other, _) in &timing.objects.elsewhere {
             spaces.push(self.space_then(*other, timing)?);
@@ -227,7 +224,7 @@ impl Editor {
         let (index, _) = place_of(&self.spatial, variant.character)?;
         let group = &self.spatial[index];
         let held = self.held_with((variant, &timing.objects), index);
-        let component = exchanged(&group.component, response, Arc::clone(&variant.rest), held)?;
+        let component = exchanged(&group.component, response, &variant.own, held)?;
         Some(Exchange { group: index, component })
     }
 
@@ -273,7 +270,7 @@ impl Editor {
         set_effort(component, effort);
         let mut solved = component.solve_below(most).ok()?;
         if solved == Solved::LacksScale {
-            complete(&self.spatial[group].component, response, (component, effort))?;
+            complete(&self.spatial[group].component, response, (component, &variant.own, effort))?;
             solved = component.go_on(most).ok()?;
         }
         if solved != Solved::Both {
@@ -297,7 +294,7 @@ impl Editor {
     }
 
     pub(super) fn take_seconds(&self, variant: &Variant, timing: &Timing, extents: &mut [Extent]) {
-        extents[variant.character].seconds.0 = (variant.rest.len() - 1) as f64 * WORKING_STEP;
+        extents[variant.character].seconds.0 = (variant.own.rest.len() - 1) as f64 * WORKING_STEP;
         for (character, seconds) in self.temporal[timing.group].characters.iter().zip(&timing.seconds) {
             extents[*character].seconds.1 = *seconds;
         }
@@ -306,7 +303,7 @@ impl Editor {
     /// Ê of the variant's groups and all others as they are, summed in the order of [`Editor::solve`].
     pub(super) fn energy_with(&self, variant: &Variant, timing: &Timing, spaces: &[Space]) -> Energy {
         let mut extents = self.extents.clone();
-        extents[variant.character].length.0 = variant.length;
+        extents[variant.character].length.0 = variant.own.length;
         for Space { group, lengths, .. } in spaces {
             for (character, length) in self.spatial[*group].characters.iter().zip(lengths) {
                 extents[*character].length.1 = *length;
