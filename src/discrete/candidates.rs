@@ -163,7 +163,7 @@ impl<'a> Frames<'a> {
         for i in 0..self.nodes.len() {
             let last = (i + settings.longest).min(self.nodes.len().saturating_sub(2));
             for j in i + settings.shortest..=last {
-                // Most frames are like none but themselves: what lies between two of them is itself all there is.
+                // Between frames like none but themselves there is only what lies there.
                 let only_same = alike[i].len() == 1 && alike[j].len() == 1 && self.runs[i] == self.runs[j];
                 if only_same && known || !self.allowed(i, j, settings) {
                     continue;
@@ -171,8 +171,7 @@ impl<'a> Frames<'a> {
                 let least = self.least_exchange((i, j), settings);
                 for (from, before) in &alike[i] {
                     for (to, after) in &alike[j] {
-                        // One of those that change nothing stands for all, as these give one sequence; it changes no
-                        // number of frames.
+                        // One of those that change nothing stands for all; it changes no number of frames.
                         let same =
                             (*from, *to) == (self.nodes[i], self.nodes[j]) && self.runs[i] == self.runs[j];
                         if same && (known || least > 0) {
@@ -292,7 +291,6 @@ pub fn outcome(seen: &Seen<'_>, candidate: &Candidate) -> Vec<u64> {
     outcome_of(seen, candidate, &seen.track.shown_after(&candidate.splice))
 }
 
-/// The same; `shown`: by the track then.
 fn outcome_of(seen: &Seen<'_>, candidate: &Candidate, shown: &[Stretch]) -> Vec<u64> {
     let mut key = sequence(seen, shown);
     let (stay, follow) = moments_after(seen, candidate);
@@ -300,8 +298,8 @@ fn outcome_of(seen: &Seen<'_>, candidate: &Candidate, shown: &[Stretch]) -> Vec<
     key
 }
 
-/// How many of the moments stay where they are, and from which one on all move by as many frames as come or go: with the
-/// sequence, this says where each of them is. Where as many come as go, those taken out part the others.
+/// How many moments stay, and from which one on all move by as many frames as come or go: with the sequence, this says where
+/// each is. Where as many come as go, those taken out part the others.
 fn moments_after(seen: &Seen<'_>, candidate: &Candidate) -> (usize, usize) {
     let (moments, count) = (&seen.protected.moments, seen.track.frame_count());
     let place = |frame: &f64| candidate.splice.map_instant(*frame, candidate.keep);

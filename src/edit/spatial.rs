@@ -256,10 +256,10 @@ impl SpatialComponent {
         }
         let before = self.may_turn().then(|| self.rotations.clone());
         if self.update_rotations() {
-            if before.is_none_or(|before| self.asks_otherwise(&before)) {
-                if let Some(ended) = self.solve_shape(most)? {
-                    return Ok(ended);
-                }
+            if before.is_none_or(|before| self.asks_otherwise(&before))
+                && let Some(ended) = self.solve_shape(most)?
+            {
+                return Ok(ended);
             }
             self.update_rotations();
         }
