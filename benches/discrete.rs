@@ -17,7 +17,8 @@
 //!
 //! Times are of one thread: CPU milliseconds, which other work on the machine lengthens least.
 //!
-//! `cargo bench --bench discrete`; `-- exact` leaves the paper's way out, `-- kept` only its second variant.
+//! `cargo bench --bench discrete`; `-- exact` leaves the paper's way out, `-- kept` only its second variant; `-- chair relay`
+//! runs these scenes alone.
 #![expect(clippy::print_stdout, reason = "its table is what this program is for")]
 
 #[path = "../tests/paths/mod.rs"]
@@ -106,7 +107,9 @@ fn table(mode: Mode, ways: &[Way]) {
         "{:10} {:>6} {:>10} {:>8} {:>8} {:>17} {:>17} {:>9} / {:>9}",
         "", "frames", "candidates", "changes", "ours", "factored anew", "factors kept", "Ê ours", "theirs"
     );
-    for published in &PUBLISHED_SCENES {
+    let named = |name: &str| std::env::args().any(|own| own == name);
+    let any = PUBLISHED_SCENES.iter().any(|published| named(published.name));
+    for published in PUBLISHED_SCENES.iter().filter(|published| !any || named(published.name)) {
         let case = case(published, mode);
         let frames: usize = published.characters.iter().map(|counts| counts.samples).sum();
         let own = run(&case, Way::Ours);

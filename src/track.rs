@@ -141,7 +141,12 @@ impl Track {
     /// Path of the track before the edit: placed positions, facings, stationary stretches.
     pub fn rest_path(&self) -> RestPath {
         let mut positions = self.collect(|clip, frame, placement| placement.apply(clip.positions[frame]));
-        let mut headings = self.collect(|clip, frame, placement| clip.headings[frame] + placement.angle());
+        let mut headings = Vec::with_capacity(positions.len());
+        for run in &self.runs {
+            let (own, angle) = (&self.clips[run.entry].headings, run.placement.angle());
+            let frames = run.first.as_usize()..=run.last.as_usize();
+            headings.extend(own[frames].iter().map(|heading| heading + angle));
+        }
         crate::path::unwrap(&mut headings);
         self.make_good(&mut positions, &mut headings);
         let still = self.collect(|clip, frame, _| clip.stationary[frame]);

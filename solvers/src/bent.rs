@@ -241,7 +241,7 @@ impl Bent {
     fn hard_residual(&self, problem: &Compliance, targets: &[c64]) -> f64 {
         let hard =
             problem.rows.iter().zip(&self.values).zip(targets).filter(|((row, _), _)| row.weight.is_none());
-        hard.map(|((_, value), target)| (target - value).norm()).fold(0.0, f64::max)
+        hard.map(|((_, value), target)| (target - value).norm_sqr()).fold(0.0, f64::max).sqrt()
     }
 
     /// Takes off what the springs moved along free motions: no row sees it, and all points together stay nearest to zero.

@@ -307,12 +307,15 @@ impl ComplianceFactor {
         }
     }
 
-    /// Column `index` of the inverse of the scaled matrix, not refined.
-    pub(crate) fn inverse_column(&self, index: usize, scratch: &mut LuScratch) -> Vec<c64> {
-        let mut column = vec![c64::default(); self.plan.assembly.pattern.size];
-        column[index] = c64::new(1.0, 0.0);
-        self.lu.substitute(&mut column, scratch);
-        column
+    /// Columns of the inverse of the scaled matrix, one after the other, not refined.
+    pub(crate) fn inverse_columns(&self, indices: &[usize]) -> Vec<c64> {
+        let size = self.plan.assembly.pattern.size;
+        let mut columns = vec![c64::default(); size * indices.len()];
+        for (column, index) in indices.iter().enumerate() {
+            columns[column * size + index] = c64::new(1.0, 0.0);
+        }
+        self.lu.substitute_columns(&mut columns, indices.len());
+        columns
     }
 }
 

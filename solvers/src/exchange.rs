@@ -1,16 +1,20 @@
 //! One path of a factored problem exchanged for another: the factorisation stays, a small update makes good the difference.
 //!
 //! The other path changes the entries of its own rows and of its similarities, on a border P of a few unknowns. With `G` the
-//! inverse on the border, `Δ` the change of its entries, and x₀ the solution of the system as factored,
+//! inverse on the border, `Δ = UVᴴ` the change of its entries, and x₀ the solution of the system as factored,
 //!
 //! ```text
-//!     (K + PΔPᴴ) x = b        x = x₀ − K⁻¹P Δ (I + GΔ)⁻¹ Pᴴx₀
+//!     (K + PUVᴴPᴴ) x = b        x = x₀ − K⁻¹P U (I + VᴴGU)⁻¹ VᴴPᴴ x₀
 //! ```
+//!
+//! A splice moves whole stretches rigidly, so that Δ has a handful of columns' rank, however many rows there are: crosses of
+//! one row and one column at a time, each through the largest entry left, exhaust it.
 //!
 //! Solutions are refined against the springs of the exchanged path like any other, so that they are as good as those of a
 //! factorisation of its own.
 //!
-//! Source: Hager, *Updating the inverse of a matrix*, SIAM Review 31 (1989).
+//! Sources: Hager, *Updating the inverse of a matrix*, SIAM Review 31 (1989); Bebendorf, *Approximation of boundary element
+//! matrices*, Numer. Math. 86 (2000).
 
 use std::sync::Arc;
 
@@ -23,97 +27,187 @@ use crate::pieces::cut_path;
 use crate::points::PointRow;
 use crate::springs::SpringPath;
 
+/// Real and imaginary part: products of real numbers are several times as fast as those of complex ones.
+pub(crate) type Parts = [DMatrix<f64>; 2];
+
 /// The update of a factorisation.
 #[derive(Clone, Debug)]
 pub(crate) struct Exchange {
     /// Unknowns that the path has entries in.
     border: Vec<usize>,
-    /// K⁻¹P, real and imaginary: products of real numbers are several times as fast.
-    columns: Arc<[DMatrix<f64>; 2]>,
-    /// Δ.
-    difference: DMatrix<c64>,
-    /// I + GΔ.
+    /// K⁻¹P.
+    columns: Arc<Parts>,
+    /// U.
+    left: Parts,
+    /// Vᴴ.
+    right: DMatrix<c64>,
+    /// I + VᴴGU.
     system: LU<c64, Dyn, Dyn>,
 }
 
 /// A system is singular if its largest pivot is as many times its smallest: something is free, but for rounding. Regular ones
 /// stay below 1e11.
 const MOST_SPREAD: f64 = 1e13;
+/// What is left of a difference is rounding where it is smaller than this, relative to its largest entry: covariances have
+/// about so many digits. Refinement makes good what is left out.
+const EXHAUSTED: f64 = 1e-13;
 
 impl Exchange {
-    /// `None` where the system is singular to rounding. Cost: by the cube of the border.
+    /// `inverse`: G. `difference`: Δ. `None` where the system is singular to rounding. Cost: by the square of the border and
+    /// the rank of the difference.
     pub(crate) fn new(
         border: Vec<usize>,
-        columns: Arc<[DMatrix<f64>; 2]>,
-        (inverse, difference): (&DMatrix<c64>, DMatrix<c64>),
+        columns: Arc<Parts>,
+        (inverse, difference): (&Parts, Parts),
     ) -> Option<Self> {
-        let size = border.len();
-        let system = (DMatrix::identity(size, size) + product(inverse, &difference)).lu();
-        let pivots = (0..size).map(|k| system.lu_internal()[(k, k)].norm());
+        let (left, right) = crosses(difference);
+        let rank = right.nrows();
+        let forced = product(inverse, &left);
+        let system = DMatrix::identity(rank, rank) + &right * joined(&forced);
+        let system = system.lu();
+        let pivots = (0..rank).map(|k| system.lu_internal()[(k, k)].norm());
         let (least, most) = pivots.fold((f64::INFINITY, 0.0_f64), |(a, b), own| (a.min(own), b.max(own)));
-        let regular = size == 0 || most < MOST_SPREAD * least; // which NaN is not
-        regular.then_some(Self { border, columns, difference, system })
+        let regular = rank == 0 || most < MOST_SPREAD * least; // which NaN is not
+        regular.then_some(Self { border, columns, left, right, system })
     }
 
     /// From the solution of the system as factored to that of the exchanged one.
     pub(crate) fn correct(&self, x: &mut [c64]) {
-        let mut own = DVector::from_iterator(self.border.len(), self.border.iter().map(|index| x[*index]));
+        if self.right.nrows() == 0 {
+            return;
+        }
+        let own = DVector::from_iterator(self.border.len(), self.border.iter().map(|index| x[*index]));
+        let mut own = &self.right * own;
         // A pivot that is 0 would have been found when it was factored.
         self.system.solve_mut(&mut own);
-        let forces = &self.difference * own;
-        let [real, imaginary] = &*self.columns;
-        let (forces_re, forces_im) = (forces.map(|force| force.re), forces.map(|force| force.im));
-        let mut moved_re = real * &forces_re;
-        moved_re.gemv(-1.0, imaginary, &forces_im, 1.0);
-        let mut moved_im = real * &forces_im;
-        moved_im.gemv(1.0, imaginary, &forces_re, 1.0);
-        for (x, (re, im)) in x.iter_mut().zip(moved_re.iter().zip(moved_im.iter())) {
+        let own = [own.map(|own| own.re), own.map(|own| own.im)];
+        let moved = applied(&self.columns, &applied(&self.left, &own));
+        for (x, (re, im)) in x.iter_mut().zip(moved[0].iter().zip(moved[1].iter())) {
             *x -= c64::new(*re, *im);
         }
     }
 }
 
-/// `A B` by products of real matrices, which are several times as fast as those of complex ones.
-fn product(a: &DMatrix<c64>, b: &DMatrix<c64>) -> DMatrix<c64> {
-    let parts = |matrix: &DMatrix<c64>| (matrix.map(|value| value.re), matrix.map(|value| value.im));
-    let ((a_re, a_im), (b_re, b_im)) = (parts(a), parts(b));
-    let (real, imaginary) = (&a_re * &b_re - &a_im * &b_im, &a_re * &b_im + &a_im * &b_re);
-    real.zip_map(&imaginary, c64::new)
+/// `A B`.
+fn product([a_re, a_im]: &Parts, [b_re, b_im]: &Parts) -> Parts {
+    [a_re * b_re - a_im * b_im, a_re * b_im + a_im * b_re]
+}
+
+/// `A x`.
+fn applied([a_re, a_im]: &Parts, [x_re, x_im]: &[DVector<f64>; 2]) -> [DVector<f64>; 2] {
+    let (mut re, mut im) = (a_re * x_re, a_re * x_im);
+    re.gemv(-1.0, a_im, x_im, 1.0);
+    im.gemv(1.0, a_im, x_re, 1.0);
+    [re, im]
+}
+
+fn joined([re, im]: &Parts) -> DMatrix<c64> {
+    re.zip_map(im, c64::new)
+}
+
+/// A square matrix as `U` and `Vᴴ`, exact to rounding. Cost: its entries times its rank.
+fn crosses(mut rest: Parts) -> (Parts, DMatrix<c64>) {
+    let size = rest[0].nrows();
+    let mut largest: Vec<f64> = (0..size).map(|column| largest_sq(&rest, column)).collect();
+    let (mut left, mut right) = ([Vec::new(), Vec::new()], Vec::new());
+    let mut floor_sq = None;
+    let mut rank = 0;
+    while rank < size {
+        let (most_sq, column) = first_largest(largest.iter().copied());
+        let floor_sq = *floor_sq.get_or_insert(EXHAUSTED * EXHAUSTED * most_sq);
+        // What is not a number is seen by the pivots.
+        if most_sq <= floor_sq {
+            break;
+        }
+        let squares = (0..size).map(|row| entry(&rest, row, column).norm_sqr());
+        let row = first_largest(squares).1;
+        let inverse = entry(&rest, row, column).inv();
+        for (own, part) in left.iter_mut().zip(&rest) {
+            own.extend_from_slice(&part.as_slice()[column * size..(column + 1) * size]);
+        }
+        let cross: Vec<c64> = (0..size).map(|j| entry(&rest, row, j) * inverse).collect();
+        let own = rank * size..(rank + 1) * size;
+        for (j, share) in cross.iter().enumerate().filter(|(_, share)| **share != c64::default()) {
+            take_off(&mut rest, j, (&left[0][own.clone()], &left[1][own.clone()]), *share);
+            largest[j] = largest_sq(&rest, j);
+        }
+        right.extend(cross);
+        rank += 1;
+    }
+    let [re, im] = left;
+    let left = [DMatrix::from_vec(size, rank, re), DMatrix::from_vec(size, rank, im)];
+    (left, DMatrix::from_row_slice(rank, size, &right))
+}
+
+fn entry([re, im]: &Parts, row: usize, column: usize) -> c64 {
+    c64::new(re[(row, column)], im[(row, column)])
+}
+
+/// Squared modulus of the largest entry of a column.
+fn largest_sq([re, im]: &Parts, column: usize) -> f64 {
+    let own = column * re.nrows()..(column + 1) * re.nrows();
+    let larger = |most: f64, own: f64| if own > most { own } else { most };
+    let squares = re.as_slice()[own.clone()].iter().zip(&im.as_slice()[own]);
+    squares.map(|(re, im)| re * re + im * im).fold(0.0, larger)
+}
+
+/// The largest value and where it first stands.
+fn first_largest(values: impl Iterator<Item = f64>) -> (f64, usize) {
+    let larger =
+        |most: (f64, usize), (place, own): (usize, f64)| if own > most.0 { (own, place) } else { most };
+    values.enumerate().fold((0.0, 0), larger)
+}
+
+/// Takes `share` times another column off a column.
+fn take_off([re, im]: &mut Parts, column: usize, (own_re, own_im): (&[f64], &[f64]), share: c64) {
+    let size = own_re.len();
+    let own = column * size..(column + 1) * size;
+    let (re, im) = (&mut re.as_mut_slice()[own.clone()], &mut im.as_mut_slice()[own]);
+    for ((re, im), (a, b)) in re.iter_mut().zip(im).zip(own_re.iter().zip(own_im)) {
+        *re -= a * share.re - b * share.im;
+        *im -= a * share.im + b * share.re;
+    }
 }
 
 impl Compliance {
-    /// The problem with other springs for `path` and other terms and targets of the rows on it: `rows` are those given, all
-    /// others as they are. It is solved with [`PathResponse::factor`](crate::PathResponse::factor), and cannot be factored by
-    /// itself. `None` where it has other unknowns, or motions are free. Cost: by the points and rows of the path.
-    pub fn with_path(&self, path: usize, springs: SpringPath, rows: Vec<PointRow<c64>>) -> Option<Self> {
-        if !self.free.is_empty() || rows.len() != self.given {
-            return None;
-        }
+    /// The problem with other springs for `path` and other terms and weights of the rows on it: `rows` are terms and weights
+    /// of those given, all others as they are. It is solved with [`PathResponse::factor`](crate::PathResponse::factor), and cannot be factored by
+    /// itself: it knows no terms. `None` where it has other unknowns, or motions are free. Cost: by the points and rows of the
+    /// path.
+    pub fn with_path<'a>(
+        &self,
+        path: usize,
+        springs: Arc<SpringPath>,
+        rows: impl Iterator<Item = (&'a [(usize, usize, c64)], Option<f64>)>,
+    ) -> Option<Self> {
         let own = self.first_pieces[path]..self.first_pieces[path + 1];
         let first_joint = self.given + 2 * (own.start - path);
-        let mut terms = Vec::new();
-        for (index, row) in rows.iter().enumerate() {
-            let own = row.terms.iter().filter(|term| term.0 == path);
+        let (mut terms, mut all) = (Vec::new(), Vec::with_capacity(self.rows.len()));
+        for (index, (row, weight)) in rows.enumerate() {
+            let own = row.iter().filter(|term| term.0 == path);
             terms.extend(own.map(|(_, point, value)| (index, *point, *value)));
+            all.push(PointRow { terms: Vec::new(), weight });
         }
-        let (pieces, joints) = cut_path((path, &springs), terms, first_joint);
+        if !self.free.is_empty() || all.len() != self.given {
+            return None;
+        }
+        let joined = self.rows[self.given..].iter().map(|row| row.weight);
+        all.extend(joined.map(|weight| PointRow { terms: Vec::new(), weight }));
+        let (pieces, _) = cut_path((path, &springs), terms, first_joint);
         if pieces.len() != own.len() {
             return None;
         }
         let mut loads = self.loads.clone();
         for (piece, index) in pieces.iter().zip(own) {
-            let known = PathLoads::new(&springs, piece.own.clone(), &piece.terms);
+            let known = PathLoads::new(&*springs, piece.own.clone(), &piece.terms);
             let motions = self.layout.similarities[index + 1] - self.layout.similarities[index];
             if known.motions() != motions || !known.is_finite() {
                 return None;
             }
             loads[index] = Arc::new(known);
         }
-        let mut all = rows;
-        all.extend_from_slice(&self.rows[self.given..]);
-        all[first_joint..first_joint + joints.len()].clone_from_slice(&joints);
         let mut paths = self.paths.clone();
-        paths[path] = Arc::new(springs);
+        paths[path] = springs;
         Some(self.like(paths, all, loads))
     }
 }

@@ -9,7 +9,7 @@ use std::ops::Range;
 use crate::c64;
 use crate::scalar::TwoPart;
 use crate::splice::SplicedPath;
-use crate::springs::{Load, Moments, SpringPath, State};
+use crate::springs::{Answer, Load, Moments, SpringPath, State};
 
 /// A chain of springs, as far as the compliance form sees it.
 pub(crate) trait Chain {
@@ -73,8 +73,8 @@ pub(crate) struct PathLoads {
     /// Root of the summed squared distances of its points from the centre; where they are one point, of those it knows; 0
     /// without extent.
     radius: f64,
-    /// Row, row not before it, covariance.
-    covariances: Vec<(usize, usize, c64)>,
+    /// Covariances of each row with itself and all rows after it.
+    covariances: Vec<c64>,
     /// Row, motion (0: shift, 1: about the centre), what the row sees of it.
     seen: Vec<(usize, usize, c64)>,
     finite: bool,
@@ -155,10 +155,19 @@ impl PathLoads {
         let of_row = |index: usize| &loads[starts[index]..starts[index + 1]];
         self.covariances.reserve_exact(self.rows.len() * (self.rows.len() + 1) / 2);
         self.seen.reserve_exact(2 * self.rows.len());
+        let rows = self.rows.iter().enumerate();
+        let answers: Vec<Answer> = rows.map(|(k, row)| self.answer(&prefix, (row, of_row(k)))).collect();
         for (index, row) in self.rows.iter().enumerate() {
             for (other_index, other) in self.rows.iter().enumerate().skip(index) {
-                let value = self.covariance(&prefix, (row, of_row(index)), (other, of_row(other_index)));
-                self.covariances.push((row.row, other.row, value));
+                let to = |at: &RowTerms| prefix[at.nodes.0].chord;
+                let value = if other.nodes.0 >= row.nodes.1 {
+                    answers[index].to(to(other), of_row(other_index)[0])
+                } else if row.nodes.0 >= other.nodes.1 {
+                    answers[other_index].to(to(row), of_row(index)[0]).conj()
+                } else {
+                    self.covariance(&prefix, (row, of_row(index)), (other, of_row(other_index)))
+                };
+                self.covariances.push(value);
             }
             let base = of_row(index)[0];
             let (force, moment) = (base.force.conj(), base.moment.conj());
@@ -185,6 +194,19 @@ impl PathLoads {
         }
     }
 
+    /// What rows beyond the last node of a row share with it.
+    fn answer(&self, prefix: &[Moments], (row, loads): (&RowTerms, &[Load])) -> Answer {
+        let first = row.nodes.0;
+        let mut answer = Answer { origin: prefix[first].chord, ..Answer::default() };
+        for (node, load) in (first..).zip(loads) {
+            let moments = if node == first { &prefix[node] } else { &self.moments[node] };
+            let (by_force, by_moment) = moments.work_on(*load);
+            answer.force += by_force - by_moment * (prefix[node].chord - answer.origin).conj();
+            answer.moment += by_moment;
+        }
+        answer
+    }
+
     /// `Σ c_s F_s(own)·conj(F_s(other))` over all springs: between nodes one by one as far as they differ, the rest at once.
     fn covariance(&self, prefix: &[Moments], own: (&RowTerms, &[Load]), other: (&RowTerms, &[Load])) -> c64 {
         let at = |(row, loads): (&RowTerms, &[Load]), node: usize| {
@@ -208,7 +230,7 @@ impl PathLoads {
     fn has_numbers_only(&self) -> bool {
         self.centre.is_finite()
             && self.radius.is_finite()
-            && self.covariances.iter().all(|(_, _, value)| value.is_finite())
+            && self.covariances.iter().all(|value| value.is_finite())
             && self.seen.iter().all(|(_, _, value)| value.is_finite())
     }
 
@@ -229,16 +251,26 @@ impl PathLoads {
 
     /// Entries of the covariance matrix: row, row not before it, value.
     pub(crate) fn visit_covariances(&self, mut visit: impl FnMut(usize, usize, c64)) {
-        self.covariances.iter().for_each(|(row, other, value)| visit(*row, *other, *value));
+        self.visit_pairs(|own, other, value| visit(self.rows[own].row, self.rows[other].row, value));
+    }
+
+    /// The same by places of the rows among those on the piece.
+    pub(crate) fn visit_pairs(&self, mut visit: impl FnMut(usize, usize, c64)) {
+        let (count, mut rest) = (self.rows.len(), self.covariances.as_slice());
+        for own in 0..count {
+            let (values, after) = rest.split_at(count - own);
+            (own..count).zip(values).for_each(|(other, value)| visit(own, other, *value));
+            rest = after;
+        }
     }
 
     /// Diagonal entries of the covariance matrix.
     pub(crate) fn visit_variances(&self, mut visit: impl FnMut(usize, f64)) {
-        self.visit_covariances(|row, other, value| {
-            if row == other {
-                visit(row, value.re);
-            }
-        });
+        let mut place = 0;
+        for (own, row) in self.rows.iter().enumerate() {
+            visit(row.row, self.covariances[place].re);
+            place += self.rows.len() - own;
+        }
     }
 
     /// What rows see of the orthonormal similarities: row, motion, value.

@@ -64,6 +64,11 @@ impl<T: Scalar> RefinedLu<T> {
         self.lu.solve_in_place(b, scratch);
     }
 
+    /// Replaces `count` right-hand sides, one after the other, likewise.
+    pub(crate) fn substitute_columns(&self, b: &mut [T], count: usize) {
+        self.lu.solve_columns_in_place(b, count, &mut self.lu.scratch_of_columns(count));
+    }
+
     /// Solves `K x = b`. `watched`: the unknowns whose accuracy decides how often to refine. The solution may still be
     /// nonsense if `K` is nearly singular; whoever knows the problem must check its residual.
     pub(crate) fn solve(

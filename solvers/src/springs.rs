@@ -76,12 +76,14 @@ impl Moments {
 
     /// What unit forces do: `Σ c_s f_s(own)·conj(f_s(other))`, `f_s = force·(…)` of [`Load::on`].
     pub(crate) fn work(&self, own: Load, other: Load) -> c64 {
+        let (by_force, by_moment) = self.work_on(own);
+        other.force * by_force + other.moment * by_moment
+    }
+
+    /// The same as factors of the other load's force and moment.
+    pub(crate) fn work_on(&self, own: Load) -> (c64, c64) {
         let (a, b) = (own.force.conj(), own.moment.conj());
-        let (c, d) = (other.force.conj(), other.moment.conj());
-        a * c.conj() * self.second
-            + a * d.conj() * self.first
-            + b * c.conj() * self.first.conj()
-            + b * d.conj() * self.zeroth
+        (a * self.second + b * self.first.conj(), a * self.first + b * self.zeroth)
     }
 }
 
@@ -98,6 +100,24 @@ impl Load {
     /// The same about the point before, `chord` = q_b − q_a, with a load μ on that point.
     pub(crate) fn carried(self, chord: c64, mu: c64) -> Self {
         Self { force: self.force + mu, moment: self.moment + self.force * chord.conj() }
+    }
+}
+
+/// Covariance of a row with any row that touches no node before its last: linear in the load of that row at its first node.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(crate) struct Answer {
+    /// Of a unit force, less what it takes to carry it from `origin`.
+    pub(crate) force: c64,
+    /// Of a unit moment.
+    pub(crate) moment: c64,
+    /// Chord from the first point to the row's first node.
+    pub(crate) origin: c64,
+}
+
+impl Answer {
+    /// `place`: chord from the first point to where `load` is.
+    pub(crate) fn to(&self, place: c64, load: Load) -> c64 {
+        load.force * (self.force + self.moment * (place - self.origin).conj()) + load.moment * self.moment
     }
 }
 

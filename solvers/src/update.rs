@@ -23,7 +23,7 @@ use crate::bent::Bent;
 use crate::c64;
 use crate::compliance::{Compliance, ComplianceFactor};
 use crate::error::KktError;
-use crate::exchange::Exchange;
+use crate::exchange::{Exchange, Parts};
 use crate::kkt::{Factor, Workspace};
 use crate::network::Network;
 use crate::path_loads::PathLoads;
@@ -42,10 +42,12 @@ pub struct PathResponse {
     path: usize,
     /// Position in `border` of the first similarity; two at least, the last of them may be spare.
     similarities: usize,
-    /// Columns of the whole inverse for the border, real and imaginary.
-    columns: Arc<[DMatrix<f64>; 2]>,
+    /// Columns of the whole inverse for the border.
+    columns: Arc<Parts>,
     /// Inverse on the border.
     inverse: DMatrix<c64>,
+    /// The same without spare unknowns.
+    inverse_parts: Parts,
     /// Entries that the path has now.
     present: DMatrix<c64>,
 }
@@ -77,18 +79,19 @@ impl PathResponse {
         let spare = (similarities + 2).saturating_sub(border.len());
         let size = border.len() + spare;
         let mut inverse = DMatrix::identity(size, size);
-        let mut scratch = factor.scratch();
-        let zeros = || DMatrix::zeros(problem.layout.size, border.len());
-        let mut columns = [zeros(), zeros()];
-        for (column, index) in border.iter().enumerate() {
-            let values = factor.inverse_column(*index, &mut scratch);
-            border.iter().enumerate().for_each(|(row, other)| inverse[(row, column)] = values[*other]);
-            for (row, value) in values.iter().enumerate() {
-                (columns[0][(row, column)], columns[1][(row, column)]) = (value.re, value.im);
-            }
+        let columns = DMatrix::from_vec(problem.layout.size, border.len(), factor.inverse_columns(&border));
+        for column in 0..border.len() {
+            border
+                .iter()
+                .enumerate()
+                .for_each(|(row, other)| inverse[(row, column)] = columns[(*other, column)]);
         }
+        let columns = [columns.map(|value| value.re), columns.map(|value| value.im)];
         let (columns, present) = (Arc::new(columns), DMatrix::zeros(size, size));
-        let mut response = Self { rows, border, path, similarities, columns, inverse, present };
+        let own = inverse.view((0, 0), (border.len(), border.len()));
+        let inverse_parts = [own.map(|value| value.re), own.map(|value| value.im)];
+        let mut response =
+            Self { rows, border, path, similarities, columns, inverse, inverse_parts, present };
         for piece in pieces.clone() {
             let first = layout[piece] - layout[pieces.start];
             response.present += response.entries(problem, &problem.loads[piece], first);
@@ -102,23 +105,34 @@ impl PathResponse {
     /// Entries of a path on the border, scaled as the system is; `first`: its first similarity.
     fn entries(&self, problem: &Compliance, loads: &PathLoads, first: usize) -> DMatrix<c64> {
         let mut entries = DMatrix::zeros(self.inverse.nrows(), self.inverse.ncols());
+        self.visit_entries(problem, (loads, first), |row, column, value| entries[(row, column)] += value);
+        entries
+    }
+
+    /// Calls `visit` with the entries of a piece: row and column of the border, value.
+    fn visit_entries(
+        &self,
+        problem: &Compliance,
+        (loads, first): (&PathLoads, usize),
+        mut visit: impl FnMut(usize, usize, c64),
+    ) {
         let place = |row: usize| self.border[..self.similarities].partition_point(|known| *known < row);
-        let scale = |row: usize| problem.scales[row];
-        loads.visit_covariances(|row, other, value| {
-            let value = value * (scale(row) * scale(other) / problem.unit);
-            let (row, column) = (place(row), place(other));
-            entries[(row, column)] += value;
+        let rows: Vec<(usize, f64)> = loads.rows().map(|row| (place(row), problem.scales[row])).collect();
+        let unit = problem.unit.recip();
+        loads.visit_pairs(|own, other, value| {
+            let ((row, scale), (column, other_scale)) = (rows[own], rows[other]);
+            let value = value * (scale * other_scale * unit);
+            visit(row, column, value);
             if row != column {
-                entries[(column, row)] += value.conj();
+                visit(column, row, value.conj());
             }
         });
         loads.visit_similarities(|row, motion, value| {
             let (row, column) = (place(row), self.similarities + first + motion);
-            let value = value * scale(self.border[row]);
-            entries[(row, column)] += value;
-            entries[(column, row)] += value.conj();
+            let value = value * problem.scales[self.border[row]];
+            visit(row, column, value);
+            visit(column, row, value.conj());
         });
-        entries
     }
 
     /// Factorisation of `changed`, which differs from the problem that this response is of in nothing but the path and the
@@ -132,26 +146,25 @@ impl PathResponse {
         changed: &Compliance,
     ) -> Result<ComplianceFactor, KktError> {
         let size = self.border.len();
-        let mut difference = -&self.present;
+        let present = self.present.view((0, 0), (size, size));
+        let [mut re, mut im] = [present.map(|value| -value.re), present.map(|value| -value.im)];
         let slack = |problem: &Compliance, row: usize| {
             let weight = problem.rows[row].weight.map_or(0.0, f64::recip);
             weight * problem.scales[row] * problem.scales[row] / problem.unit
         };
         for (place, row) in self.rows.iter().enumerate() {
-            difference[(place, place)] += slack(changed, *row) - slack(problem, *row);
+            re[(place, place)] += slack(changed, *row) - slack(problem, *row);
         }
         for piece in changed.first_pieces[self.path]..changed.first_pieces[self.path + 1] {
             let first = changed.layout.similarities[piece]
                 - changed.layout.similarities[changed.first_pieces[self.path]];
-            difference += self.entries(changed, &changed.loads[piece], first);
+            self.visit_entries(changed, (&changed.loads[piece], first), |row, column, value| {
+                re[(row, column)] += value.re;
+                im[(row, column)] += value.im;
+            });
         }
-        let difference = difference.view((0, 0), (size, size)).into_owned();
-        let inverse = self.inverse.view((0, 0), (size, size));
-        let exchange = Exchange::new(
-            self.border.clone(),
-            Arc::clone(&self.columns),
-            (&inverse.into_owned(), difference),
-        );
+        let (columns, inverse) = (Arc::clone(&self.columns), &self.inverse_parts);
+        let exchange = Exchange::new(self.border.clone(), columns, (inverse, [re, im]));
         Ok(factor.exchanged(exchange.ok_or(KktError::Singular)?))
     }
 

@@ -1,9 +1,11 @@
 //! What-ifs give the energy of a full solve: the printed candidate of a scene of three paths, random splices of it, random
 //! scenes, random stretches of time.
 
+use std::sync::Arc;
+
 use cotillion_solvers::{
-    Bent, Change, Compliance, KktForm, Knots, MomentTree, Network, Part, PathResponse, PointRow, SplicedPath,
-    SpringPath, StepResponse, Track, analyse, c64,
+    Bent, Change, Compliance, ComplianceFactor, KktForm, Knots, MomentTree, Network, Part, PathResponse,
+    PointRow, SplicedPath, SpringPath, StepResponse, Track, analyse, c64,
 };
 use full::solve_full;
 use proptest::prelude::*;
@@ -142,7 +144,36 @@ fn both_energies(scene: &Scene, stretches: &[(usize, usize, usize)]) -> (f64, f6
         targets: response.rows.iter().map(|row| scene.targets[*row]).collect(),
     };
     let energy = response.energy(&problem, (&bent, &scene.targets), &change).expect("a regular candidate");
-    (energy, full_energy(&changed))
+    let full = full_energy(&changed);
+    if let Some(exchanged) = problem.with_path(0, Arc::new(path.listed()), given(&changed.rows)) {
+        assert_same((exchanged_energy(&response, (&problem, &factor), (&exchanged, &scene.targets)), full));
+    }
+    (energy, full)
+}
+
+/// Energy of a problem with another path, solved by the factorisation of the present one.
+fn exchanged_energy(
+    response: &PathResponse,
+    present: (&Compliance, &ComplianceFactor),
+    (exchanged, targets): (&Compliance, &[c64]),
+) -> f64 {
+    let factor = response.factor(present, exchanged).expect("a regular candidate");
+    Bent::new(exchanged, &factor).solve(exchanged, &factor, targets).expect("an answer").energy
+}
+
+#[test]
+fn a_path_exchanged_for_itself_changes_nothing() {
+    let scene = scene_m();
+    let springs: Vec<SpringPath> =
+        scene.paths.iter().map(|path| SpringPath::of_shape(path.clone())).collect();
+    let problem = Compliance::new(springs.clone(), scene.rows.clone());
+    let factor = problem.analyse().expect("sound").factor(&problem).expect("regular");
+    for (path, springs) in springs.into_iter().enumerate() {
+        let response = PathResponse::new(&problem, &factor, path);
+        let same = problem.with_path(path, Arc::new(springs), given(&scene.rows)).expect("the same unknowns");
+        let energy = exchanged_energy(&response, (&problem, &factor), (&same, &scene.targets));
+        assert_same((energy, full_energy(&scene)));
+    }
 }
 
 fn assert_same((energy, full): (f64, f64)) {
@@ -328,4 +359,9 @@ proptest! {
         let found = response.energy(&network, (&x, energy), steps);
         prop_assert!((found - full).abs() <= (ENERGIES.0 * full).max(TIME_ENERGY), "{found:e} is not {full:e}");
     }
+}
+
+/// Terms and weights of rows.
+fn given(rows: &[PointRow<c64>]) -> impl Iterator<Item = (&[(usize, usize, c64)], Option<f64>)> {
+    rows.iter().map(|row| (row.terms.as_slice(), row.weight))
 }

@@ -144,7 +144,7 @@ impl<'a> Frames<'a> {
         let alike = self.alike(graph, i);
         for (from, before) in &alike {
             for (to, after) in &alike {
-                let Some(stretch) = self.stretch(graph, *from, *to, settings) else { continue };
+                let Some(stretch) = self.stretch(graph, (*from, *to), settings, |_| true) else { continue };
                 let splice = Splice::insert(i, vec![stretch]);
                 found.push(self.candidate(
                     ChangeKind::Insert,
@@ -162,19 +162,24 @@ impl<'a> Frames<'a> {
         let mut known = false;
         for i in 0..self.nodes.len() {
             let last = (i + settings.longest).min(self.nodes.len().saturating_sub(2));
-            for j in (i + settings.shortest..=last).filter(|j| self.allowed(i, *j, settings)) {
+            for j in i + settings.shortest..=last {
+                // Between frames like none but themselves there is only what lies there.
+                let only_same = alike[i].len() == 1 && alike[j].len() == 1 && self.runs[i] == self.runs[j];
+                if only_same && known || !self.allowed(i, j, settings) {
+                    continue;
+                }
+                let least = self.least_exchange((i, j), settings);
                 for (from, before) in &alike[i] {
                     for (to, after) in &alike[j] {
-                        // One of those that change nothing stands for all, as these give one sequence.
+                        // One of those that change nothing stands for all; it changes no number of frames.
                         let same =
                             (*from, *to) == (self.nodes[i], self.nodes[j]) && self.runs[i] == self.runs[j];
-                        if same && known {
+                        if same && (known || least > 0) {
                             continue;
                         }
-                        let Some(stretch) = self.stretch(graph, *from, *to, settings) else { continue };
-                        if !self.is_worth((i, j), &stretch, settings) {
-                            continue;
-                        }
+                        let worth = |count: usize| count.abs_diff(j - i) >= least;
+                        let stretch = self.stretch(graph, (*from, *to), settings, worth);
+                        let Some(stretch) = stretch else { continue };
                         let splice = (Splice::replace(i, j, vec![stretch]), Keep::First);
                         known |= same && self.seen.protected.allow(&splice.0, splice.1);
                         found.push(self.candidate(
@@ -210,31 +215,30 @@ impl<'a> Frames<'a> {
         settings.lengths(self.idle(i, j)).contains(&(j - i)) && self.open_to[i] > j
     }
 
-    /// Whether putting `stretch` in the place of track frames i+1 to j is more than swapping strides: so many more or fewer
-    /// frames that steps come or go. Strides differ by centimetres, and a swap for the sake of these would win nearly every
-    /// update.
-    fn is_worth(&self, (i, j): (usize, usize), stretch: &Stretch, settings: &DiscreteSettings) -> bool {
-        stretch.frame_count().abs_diff(j - i) >= settings.least_exchange(self.idle(i, j))
+    /// How many more or fewer frames in the place of track frames i+1 to j are more than swapping strides: so many that steps
+    /// come or go. Strides differ by centimetres, and a swap for the sake of these would win nearly every update.
+    fn least_exchange(&self, (i, j): (usize, usize), settings: &DiscreteSettings) -> usize {
+        settings.least_exchange(self.idle(i, j))
     }
 
-    /// Frames after `from` up to `to` of one clip that the track may show, if they are as many as allowed.
+    /// Frames after `from` up to `to` of one clip that the track may show, if they are as many as allowed, and as `wanted`.
     fn stretch(
         &self,
         graph: &MotionGraph,
-        from: GraphFrame,
-        to: GraphFrame,
+        (from, to): (GraphFrame, GraphFrame),
         settings: &DiscreteSettings,
+        wanted: impl Fn(usize) -> bool,
     ) -> Option<Stretch> {
         let ((clip, first), (other, last)) = (graph.place(from), graph.place(to));
         if clip != other || first >= last {
             return None;
         }
-        // The last entry of a clip is the one that only insertions use.
-        let entry = self.seen.clips.iter().rposition(|known| *known == clip)?;
         let count = last.as_usize() - first.as_usize();
-        if count > settings.longest {
+        if count > settings.longest || !wanted(count) {
             return None;
         }
+        // The last entry of a clip is the one that only insertions use.
+        let entry = self.seen.clips.iter().rposition(|known| *known == clip)?;
         let still = &self.seen.track.clips[entry].stationary[first.as_usize()..=last.as_usize()];
         let idle = still.iter().all(|still| *still);
         settings.lengths(idle).contains(&count).then(|| Stretch {
@@ -287,14 +291,25 @@ pub fn outcome(seen: &Seen<'_>, candidate: &Candidate) -> Vec<u64> {
     outcome_of(seen, candidate, &seen.track.shown_after(&candidate.splice))
 }
 
-/// The same; `shown`: by the track then.
 fn outcome_of(seen: &Seen<'_>, candidate: &Candidate, shown: &[Stretch]) -> Vec<u64> {
     let mut key = sequence(seen, shown);
-    key.reserve(seen.protected.moments.len());
-    let moment =
-        |frame: &f64| candidate.splice.map_instant(*frame, candidate.keep).map_or(u64::MAX, f64::to_bits);
-    key.extend(seen.protected.moments.iter().map(moment));
+    let (stay, follow) = moments_after(seen, candidate);
+    key.extend([stay as u64, follow as u64]);
     key
+}
+
+/// How many moments stay, and from which one on all move by as many frames as come or go: with the sequence, this says where
+/// each is. Where as many come as go, those taken out part the others.
+fn moments_after(seen: &Seen<'_>, candidate: &Candidate) -> (usize, usize) {
+    let (moments, count) = (&seen.protected.moments, seen.track.frame_count());
+    let place = |frame: &f64| candidate.splice.map_instant(*frame, candidate.keep);
+    if candidate.splice.new_count(count) == count {
+        let gone = |frame: &f64| place(frame).is_none();
+        let first = moments.iter().position(gone).unwrap_or(moments.len());
+        return (first, moments.iter().rposition(gone).map_or(moments.len(), |last| last + 1));
+    }
+    let stay = moments.partition_point(|frame| place(frame) == Some(*frame));
+    (stay, stay + moments[stay..].partition_point(|frame| place(frame).is_none()))
 }
 
 /// Clip, first and last frame of each stretch of frames that follow each other.

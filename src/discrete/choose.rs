@@ -71,7 +71,8 @@ impl Known {
 
 /// The offer to take, if one is worth it: its Ê is below `before` by the least relative and absolute gain of the settings.
 /// Among those within a near tie of the best, the one that repeats frames least, then the one with less Ê, then with
-/// nearer frames, then the earlier one.
+/// nearer frames, then the earlier one. Differences of Ê that rounding could make are none: a walk that repeats itself exactly
+/// offers cycles at one Ê, and neither the order of sums nor the way of solving may choose between them.
 ///
 /// Offers that could be worth it get a sharper bound first, then they are estimated, the most promising first; those whose
 /// bound lies above the best by more than a near tie cannot win. Those that the choice hangs on are weighed, so that it is the
@@ -100,7 +101,7 @@ pub fn choose(
     };
     let mut known: Vec<Known> = Vec::new();
     for batch in order.chunks(BATCH) {
-        let most = worth.min(least_high(&known, worth) + settings.near_tie);
+        let most = worth.min(near(least_high(&known, worth), settings.near_tie));
         let open: Vec<(f64, usize)> = batch.iter().filter(|(bound, _)| *bound <= most).copied().collect();
         let most = most + ESTIMATE * (1.0 + most);
         let found: Vec<Option<Known>> = open.par_iter().map(|own| estimate(own, most)).collect();
@@ -125,8 +126,8 @@ pub fn choose_by_all(
     decide(offers, weighed.collect(), (worth, settings.near_tie), &weigh)
 }
 
-/// A gain in Ê of less, relative to 1 and Ê, is rounding: several times what estimates are off by, as a stand may become longer
-/// at no cost at all, whatever rounding says.
+/// A difference in Ê of less, relative to 1 and Ê, is rounding: several times what estimates are off by. Less is no gain, as a
+/// stand may become longer at no cost at all, and makes nothing better than another, whatever rounding says.
 const NO_GAIN: f64 = 1e-7;
 
 /// What Ê must be below to be worth a change, if it is `before` now.
@@ -139,6 +140,11 @@ fn least_high(known: &[Known], worth: f64) -> f64 {
     known.iter().map(|own| own.high).filter(|high| *high < worth).fold(f64::INFINITY, f64::min)
 }
 
+/// Up to here Ê is within a near tie of `energy`.
+fn near(energy: f64, near_tie: f64) -> f64 {
+    energy + near_tie + NO_GAIN * (1.0 + energy)
+}
+
 /// Weighs offers until it is sure which one is to be taken.
 fn decide(
     offers: &[Offer],
@@ -147,16 +153,15 @@ fn decide(
     weigh: &(impl Fn(usize) -> Option<f64> + Sync),
 ) -> Option<Weighed> {
     loop {
-        let most = least_high(&known, worth) + near_tie;
+        let most = near(least_high(&known, worth), near_tie);
         known.retain(|own| own.low <= most);
         let first = preferred(offers, &known, near_tie)?;
         let unsure: Vec<usize> = known
             .iter()
-            .filter(|own| !own.is_weighed() && hangs_on(offers, own, &first, near_tie))
+            .filter(|own| !own.is_weighed() && hangs_on(offers, own, (&known, worth), near_tie))
             .map(|own| own.place)
             .collect();
-        let sure = first.high < worth && unsure.iter().all(|place| *place == first.place);
-        if sure {
+        if unsure.is_empty() {
             return Some(Weighed { place: first.place, energy: first.middle() });
         }
         let energies: Vec<Option<f64>> = unsure.par_iter().map(|place| weigh(*place)).collect();
@@ -169,21 +174,89 @@ fn decide(
 
 /// The one to take if every Ê were in the middle of what is known of it.
 fn preferred(offers: &[Offer], known: &[Known], near_tie: f64) -> Option<Known> {
-    let best = known.iter().map(Known::middle).fold(f64::INFINITY, f64::min);
-    let near = known.iter().filter(|own| own.middle() <= best + near_tie).copied();
-    near.min_by(|a, b| {
-        let (left, right) = (&offers[a.place], &offers[b.place]);
-        let repeats = left.copies.cmp(&right.copies);
-        let distance = left.distance.total_cmp(&right.distance);
-        repeats.then(a.middle().total_cmp(&b.middle())).then(distance).then(a.place.cmp(&b.place))
+    let least = |all: &[Known]| all.iter().map(Known::middle).fold(f64::INFINITY, f64::min);
+    let most = near(least(known), near_tie);
+    let near_best: Vec<Known> = known.iter().filter(|own| own.middle() <= most).copied().collect();
+    let copies = near_best.iter().map(|own| offers[own.place].copies).min()?;
+    let fewest: Vec<Known> = near_best.into_iter().filter(|own| offers[own.place].copies == copies).collect();
+    let most = near(least(&fewest), 0.0);
+    fewest.into_iter().filter(|own| own.middle() <= most).min_by(|a, b| {
+        let distance = offers[a.place].distance.total_cmp(&offers[b.place].distance);
+        distance.then(a.place.cmp(&b.place))
     })
 }
 
-/// Whether the exact Ê of `own` could take the place of `first` from it.
-fn hangs_on(offers: &[Offer], own: &Known, first: &Known, near_tie: f64) -> bool {
-    let (copies, least) = (offers[own.place].copies, offers[first.place].copies);
-    let fewer = copies < least;
-    let nearer = copies == least && own.low <= first.high;
-    let leaves_behind = own.low + near_tie < first.high;
-    own.place == first.place || fewer || nearer || leaves_behind
+/// Whether the choice may depend on where the Ê of `own` lies within what is known of it: about what is worth it, what is
+/// near the best, or what ties with the best of those that repeat frames as little.
+fn hangs_on(offers: &[Offer], own: &Known, (known, worth): (&[Known], f64), near_tie: f64) -> bool {
+    let range = |of: &dyn Fn(&&Known) -> bool| {
+        let own = known.iter().filter(of);
+        own.fold((f64::INFINITY, f64::INFINITY), |(low, high), own| (low.min(own.low), high.min(own.high)))
+    };
+    let straddles = |(low, high): (f64, f64), near_tie: f64| {
+        own.low <= near(high, near_tie) && own.high > near(low, near_tie)
+    };
+    let copies = offers[own.place].copies;
+    let equals = range(&|other| offers[other.place].copies == copies);
+    own.high >= worth || straddles(range(&|_| true), near_tie) || straddles(equals, 0.0)
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+    use crate::scene::Mode;
+
+    /// What solves in different ways are apart, relative to 1 and Ê: well within what estimates are off by.
+    const OFF: f64 = 0.5 * ESTIMATE;
+
+    /// Ê in hundredths, copies, distance, and how far off its estimate and its weight are.
+    type Given = (u8, usize, u8, (f64, f64));
+
+    fn given() -> impl Strategy<Value = Vec<Given>> {
+        let off = -OFF..OFF;
+        prop::collection::vec((0..30_u8, 1..3_usize, 0..2_u8, (off.clone(), off)), 1..20)
+    }
+
+    fn offers(given: &[Given]) -> Vec<Offer> {
+        let offer = |(_, copies, distance, _): &Given| Offer {
+            copies: *copies,
+            distance: f64::from(*distance),
+            bound: 0.0,
+            last: None,
+        };
+        given.iter().map(offer).collect()
+    }
+
+    proptest! {
+        /// Ê of many offers is the same, and differences of exactly a near tie occur.
+        #[test]
+        fn rounding_never_decides(given in given(), mode in prop::sample::select(vec![Mode::Paper, Mode::Production])) {
+            let (offers, settings) = (offers(&given), DiscreteSettings::of(mode));
+            let exact = |place: usize| f64::from(given[place].0) / 100.0;
+            let estimate = |place: usize, _: (f64, f64)| Some(exact(place) + given[place].3.0 * (1.0 + exact(place)));
+            let weigh = |place: usize| Some(exact(place) + given[place].3.1 * (1.0 + exact(place)));
+            let expected = choose_by_all(&offers, 0.2, |place| Some(exact(place)), &settings);
+            let scales = Scales { bound: |_: usize| 0.0, estimate, weigh };
+            let chosen = choose(&offers, 0.2, &scales, &settings);
+            prop_assert_eq!(chosen.map(|own| own.place), expected.map(|own| own.place));
+            let weighed = choose_by_all(&offers, 0.2, weigh, &settings);
+            prop_assert_eq!(weighed.map(|own| own.place), expected.map(|own| own.place));
+        }
+    }
+
+    #[test]
+    fn of_equal_offers_the_nearest_and_then_the_first_is_taken_and_none_is_weighed() {
+        let offers: Vec<Offer> =
+            [2.0, 1.0, 1.0].map(|distance| Offer { copies: 1, distance, bound: 0.0, last: None }).into();
+        let estimates = [0.1 - 1e-9, 0.1 + 1e-9, 0.1];
+        let scales = Scales {
+            bound: |_: usize| 0.0,
+            estimate: |place: usize, _: (f64, f64)| Some(estimates[place]),
+            weigh: |_: usize| -> Option<f64> { panic!("estimates suffice") },
+        };
+        let chosen = choose(&offers, 1.0, &scales, &DiscreteSettings::of(Mode::Paper));
+        assert_eq!(chosen.map(|own| own.place), Some(1));
+    }
 }

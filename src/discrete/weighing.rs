@@ -5,6 +5,7 @@ use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
 use crate::discrete::candidates::Candidate;
 use crate::discrete::remap::spliced;
+use crate::edit::own_path::OwnPath;
 use crate::edit::{Editor, Exchange, GroupResponse, Timing, Variant, WhatIf};
 
 /// A candidate with what stays known of it until its track, or what it is tied to, changes.
@@ -17,7 +18,9 @@ pub struct Proposal {
     pub copies: usize,
     /// It puts the very frames in the place of those that go.
     pub repeats: bool,
-    /// The track it leads to, once asked for; `None` where a moment is torn apart.
+    /// The path of the track it leads to, once asked for: that depends on nothing else.
+    path: OnceLock<Arc<OwnPath>>,
+    /// That track, once asked for; `None` where a moment is torn apart.
     pub variant: OnceLock<Option<Variant>>,
     /// The group with that track, since systems were last factored; `None` where these do not tell.
     pub exchange: OnceLock<Option<Mutex<Exchange>>>,
@@ -34,6 +37,7 @@ impl Proposal {
             turned,
             copies,
             repeats,
+            path: OnceLock::new(),
             variant: OnceLock::new(),
             exchange: OnceLock::new(),
             last: Mutex::default(),
@@ -191,7 +195,9 @@ impl<'a> Weighing<'a> {
         let Candidate { character, splice, keep, .. } = &proposal.candidate;
         let make = || {
             let scene = spliced(self.editor.scene(), *character, splice, *keep)?;
-            Some(self.editor.variant(&scene, *character))
+            let draw = || Arc::new(OwnPath::new(scene.characters[character.as_usize()].track.rest_path()));
+            let path = Arc::clone(proposal.path.get_or_init(draw));
+            Some(self.editor.variant(&scene, *character, path))
         };
         proposal.variant.get_or_init(make).as_ref()
     }

@@ -1,5 +1,7 @@
 //! Hard rows that contradict each other: by how much, and whether a stationary stretch is to blame.
 
+use std::sync::Arc;
+
 use cotillion_solvers::{RowMatrix, analyse_rank};
 
 use crate::edit::columns::{Columns, Freedom};
@@ -37,7 +39,7 @@ pub fn miss_of(rows: &[&Prepared], metres: f64) -> Miss {
 }
 
 /// Stationary stretches, by path and position in its list, in which the places of `rows` lie; rising.
-pub fn touched_runs(rests: &[RestPath], rows: &[&Prepared]) -> Vec<(usize, usize)> {
+pub fn touched_runs(rests: &[Arc<RestPath>], rows: &[&Prepared]) -> Vec<(usize, usize)> {
     let mut runs = Vec::new();
     for hold in rows.iter().map(|prepared| prepared.row.hold) {
         for place in std::iter::once(hold.at()).chain(hold.to()) {
@@ -51,8 +53,8 @@ pub fn touched_runs(rests: &[RestPath], rows: &[&Prepared]) -> Vec<(usize, usize
 }
 
 /// Whether rows would contradict each other even if every frame were free: two targets for one instant.
-pub fn is_irreducible(rests: &[RestPath], rows: &[&Prepared], relative: RelativeMode) -> bool {
-    let counts: Vec<usize> = rests.iter().map(RestPath::len).collect();
+pub fn is_irreducible(rests: &[Arc<RestPath>], rows: &[&Prepared], relative: RelativeMode) -> bool {
+    let counts: Vec<usize> = rests.iter().map(|rest| rest.len()).collect();
     let runs = |path: usize| (0..rests[path].rigid.len()).map(move |run| (path, run));
     let released: Vec<(usize, usize)> = (0..rests.len()).flat_map(runs).collect();
     let terms: Vec<_> = rows.iter().map(|prepared| prepared.terms(Phase::Shape, relative, &counts)).collect();

@@ -1,5 +1,7 @@
 //! Unknowns of the spatial systems: one per free frame, two per stationary stretch, one per repeated point.
 
+use std::sync::Arc;
+
 use crate::edit::hold::{Phase, Term};
 use crate::edit::sampling::Sampling;
 use crate::edit::settings::RunMode;
@@ -35,7 +37,7 @@ struct PathColumns {
 #[derive(Clone, Copy, Debug)]
 pub struct Freedom<'a> {
     /// Rest paths.
-    pub paths: &'a [RestPath],
+    pub paths: &'a [Arc<RestPath>],
     /// Which of the two edits.
     pub phase: Phase,
     /// What stationary stretches keep in the scale phase.
@@ -65,7 +67,7 @@ impl Columns {
     /// One unknown for each frame, whatever ties it to others. Cost: linear in frames.
     pub fn one_per_frame(freedom: Freedom) -> Self {
         let mut count = 0;
-        let own = |path: &RestPath| {
+        let own = |path: &Arc<RestPath>| {
             let first = count;
             count += path.len();
             let columns = (first..count).map(|column| FrameColumns { column, second: None }).collect();

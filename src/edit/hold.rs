@@ -228,25 +228,31 @@ impl Prepared {
     /// Left side of the row; `counts`: frames of each path.
     pub fn terms(&self, phase: Phase, mode: RelativeMode, counts: &[usize]) -> Vec<Term> {
         let mut terms = Vec::with_capacity(8);
+        self.add_terms((phase, mode), counts, &mut terms);
+        terms
+    }
+
+    /// Appends these terms.
+    pub fn add_terms(&self, (phase, mode): (Phase, RelativeMode), counts: &[usize], terms: &mut Vec<Term>) {
         let one = c64::new(1.0, 0.0);
         let follows = self.follows_partner(phase, mode);
         let mut point = |place: Place, direction: Option<Direction>, factor: c64| {
-            add_point(&mut terms, place.path, place.frame, counts[place.path], factor);
+            add_point(terms, place.path, place.frame, counts[place.path], factor);
             if let (true, Some(direction)) = (follows && place.detail != c64::default(), direction) {
                 let share = factor * place.detail / direction.rest;
-                add_direction(&mut terms, (direction, place.path), counts, share);
+                add_direction(terms, (direction, place.path), counts, share);
             }
         };
         match self.row.hold {
             Hold::Position { at, .. } => point(at, self.at, one),
             Hold::Beside { at, to, from, .. } => {
                 point(at, self.at, one);
-                add_point(&mut terms, to.path, to.frame, counts[to.path], -one);
-                add_point(&mut terms, from.path, from.frame, counts[from.path], one);
+                add_point(terms, to.path, to.frame, counts[to.path], -one);
+                add_point(terms, from.path, from.frame, counts[from.path], one);
             }
             Hold::Facing { at, .. } => {
                 if let Some(direction) = self.at {
-                    add_direction(&mut terms, (direction, at.path), counts, one);
+                    add_direction(terms, (direction, at.path), counts, one);
                 }
             }
             Hold::Offset { at, to, offset } => {
@@ -254,20 +260,19 @@ impl Prepared {
                 point(to, self.to, -one);
                 if let (true, Some(partner)) = (follows, self.to) {
                     let share = -offset * cis(to.heading) / partner.rest;
-                    add_direction(&mut terms, (partner, to.path), counts, share);
+                    add_direction(terms, (partner, to.path), counts, share);
                 }
             }
             Hold::RelativeFacing { at, to, angle } => {
                 if let Some(own) = self.at {
-                    add_direction(&mut terms, (own, at.path), counts, one);
+                    add_direction(terms, (own, at.path), counts, one);
                     if let (true, Some(partner)) = (follows, self.to) {
                         let share = -own.rest / partner.rest * cis(to.heading + angle - at.heading);
-                        add_direction(&mut terms, (partner, to.path), counts, share);
+                        add_direction(terms, (partner, to.path), counts, share);
                     }
                 }
             }
         }
-        terms
     }
 
     /// Right side of the row, given the rotations of its places.

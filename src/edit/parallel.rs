@@ -1,5 +1,7 @@
 //! Work over paths and groups on all threads, where there is enough to do; the same result on any number of them.
 
+use std::sync::Arc;
+
 use rayon::prelude::*;
 
 use crate::path::RestPath;
@@ -16,12 +18,12 @@ pub fn at_once(count: usize, frames: usize) -> Option<usize> {
 
 /// Calls `work` with the number of every path and what the two lists have of it.
 pub fn for_each_path<A: Send, B: Send>(
-    rests: &[RestPath],
+    rests: &[Arc<RestPath>],
     first: &mut [A],
     second: &mut [B],
     work: impl Fn(usize, &mut A, &mut B) + Sync,
 ) {
-    let frames = rests.iter().map(RestPath::len).sum();
+    let frames = rests.iter().map(|rest| rest.len()).sum();
     let own = |(path, (first, second)): (usize, (&mut A, &mut B))| work(path, first, second);
     match at_once(rests.len(), frames) {
         Some(share) => first.par_iter_mut().zip(second).enumerate().with_min_len(share).for_each(own),

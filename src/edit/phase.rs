@@ -5,25 +5,22 @@
 
 use cotillion_solvers::{Dependency, Effort, KktError, PathResponse, PointRow, RowMatrix, analyse_rank};
 
-use crate::constraint::Strength;
+use crate::edit::bound_rows::BoundRows;
 use crate::edit::columns::{Columns, Freedom};
 use crate::edit::direct::{DirectPhase, FrameProblem};
 use crate::edit::hold::{Prepared, Term};
+use crate::edit::own_path::OwnPath;
 use crate::edit::reduced::ReducedPhase;
-use crate::edit::settings::{Backend, RunMode, SpatialSettings};
+use crate::edit::settings::{Backend, SpatialSettings};
 use crate::geometry::c64;
-use crate::path::RestPath;
 
 /// Dependent hard rows agree if they miss by no more than this, relative to the larger of 1 m and their targets.
 const AGREEMENT: f64 = 1e-9;
 
-/// A held row that binds in a phase, by position in the list of held rows, and its left side.
-type BoundRow = (usize, PointRow<c64>);
-
 /// One phase with the storage of its solves.
 pub struct PhaseSolver {
-    /// Held rows that bind in this phase: by position in the list of held rows, left side.
-    rows: Vec<BoundRow>,
+    /// Held rows that bind in this phase.
+    rows: BoundRows,
     /// Positions in `rows` of the hard ones.
     hard: Vec<usize>,
     /// Combinations of hard rows, by position in `hard`, that vanish.
@@ -48,9 +45,9 @@ pub struct PhaseSolver {
 impl PhaseSolver {
     /// Finds the redundant hard rows and assembles the others.
     pub fn new(freedom: Freedom, held: &[Prepared], settings: &SpatialSettings, backend: Backend) -> Self {
-        let rows = bound_rows(freedom, held, settings);
-        let hard: Vec<usize> = (0..rows.len()).filter(|row| rows[*row].1.weight.is_none()).collect();
-        let terms = |row: &usize| rows[*row].1.terms.as_slice();
+        let rows = BoundRows::new(freedom, held, settings);
+        let hard: Vec<usize> = (0..rows.len()).filter(|row| rows.weight(*row).is_none()).collect();
+        let terms = |row: &usize| rows.terms(*row);
         let columns = Columns::touched(freedom, hard.iter().map(terms));
         let mut matrix = RowMatrix::new(columns.count);
         hard.iter().for_each(|row| {
@@ -59,7 +56,7 @@ impl PhaseSolver {
         let dependent = analyse_rank(&matrix.to_csr()).dependent;
         let redundant: Vec<usize> = dependent.iter().map(|dependency| hard[dependency.row]).collect();
         let kept: Vec<usize> = (0..rows.len()).filter(|row| redundant.binary_search(row).is_err()).collect();
-        let kept_rows: Vec<PointRow<c64>> = kept.iter().map(|row| rows[*row].1.clone()).collect();
+        let kept_rows: Vec<PointRow<c64>> = kept.iter().map(|row| rows.point_row(*row)).collect();
         let reduced = match backend {
             Backend::Reduced => ReducedPhase::new(freedom, kept_rows, settings),
             Backend::Direct | Backend::Published => None,
@@ -83,7 +80,7 @@ impl PhaseSolver {
     /// Of no rows: room for one that may not be needed.
     pub fn none() -> Self {
         Self {
-            rows: Vec::new(),
+            rows: BoundRows::default(),
             hard: Vec::new(),
             dependent: Vec::new(),
             kept: Vec::new(),
@@ -112,7 +109,7 @@ impl PhaseSolver {
     fn direct(&mut self, freedom: Freedom, settings: &SpatialSettings) -> &mut DirectPhase {
         let Self { direct, kept_rows, kept, rows, backend, .. } = self;
         direct.get_or_insert_with(|| {
-            *kept_rows = kept.iter().map(|row| rows[*row].1.clone()).collect();
+            *kept_rows = kept.iter().map(|row| rows.point_row(*row)).collect();
             Box::new(DirectPhase::new(freedom, kept_rows, settings, *backend))
         })
     }
@@ -126,9 +123,10 @@ impl PhaseSolver {
 
     /// Sets what held rows miss on the reference: `value` of each held row, `reference` of each path and frame.
     pub fn set_targets(&mut self, value: impl Fn(usize) -> c64, reference: impl Fn(usize, usize) -> c64) {
-        for (deviation, (held, row)) in self.deviations.iter_mut().zip(&self.rows) {
+        let rows = self.rows.held.iter().zip(self.rows.iter());
+        for (deviation, (held, (terms, _))) in self.deviations.iter_mut().zip(rows) {
             let on_reference = |(path, frame, c): &Term| c * reference(*path, *frame);
-            *deviation = value(*held) - row.terms.iter().map(on_reference).sum::<c64>();
+            *deviation = value(*held) - terms.iter().map(on_reference).sum::<c64>();
         }
         for (deviation, row) in self.hard_deviations.iter_mut().zip(&self.hard) {
             *deviation = self.deviations[*row];
@@ -144,7 +142,7 @@ impl PhaseSolver {
             let miss = dependency.mismatch(&self.hard_deviations);
             let share = |(row, y): &(usize, c64)| (y * self.hard_deviations[*row]).norm();
             let size = dependency.combination.iter().map(share).fold(1.0, f64::max);
-            let held = |row: usize| self.rows[self.hard[row]].0;
+            let held = |row: usize| self.rows.held[self.hard[row]];
             (miss > AGREEMENT * size)
                 .then(|| (dependency.certificate().into_iter().map(held).collect(), miss))
         })
@@ -152,7 +150,7 @@ impl PhaseSolver {
 
     /// Held rows that other hard rows imply.
     pub fn redundant(&self) -> impl Iterator<Item = usize> {
-        self.dependent.iter().map(|dependency| self.rows[self.hard[dependency.row]].0)
+        self.dependent.iter().map(|dependency| self.rows.held[self.hard[dependency.row]])
     }
 
     /// Solves for the present targets: reduced; where its rows depend on each other too nearly for that, all frames. The
@@ -201,23 +199,20 @@ impl PhaseSolver {
         self.reduced.as_ref()?.response(path)
     }
 
-    /// The same with another path `path`, that of `freedom`, and the rows `held` on it, factored by an update; `None` where
+    /// The same with another path `path`, that of `freedom`, which is `own`, and the rows `held` on it, factored by an update; `None` where
     /// more would change than that path. `response`: of the path in this system.
     pub fn exchanged(
         &self,
-        (path, freedom): (usize, Freedom),
+        (path, freedom, own): (usize, Freedom, &OwnPath),
         held: &[Prepared],
         settings: &SpatialSettings,
         response: &PathResponse,
     ) -> Option<Self> {
         let reduced = self.reduced.as_ref().filter(|_| self.dependent.is_empty())?;
-        let rows = bound_rows(freedom, held, settings);
-        let stays = |(new, old): (&BoundRow, &BoundRow)| new.0 == old.0 && differ_on(path, &new.1, &old.1);
-        if rows.len() != self.rows.len() || !rows.iter().zip(&self.rows).all(stays) {
-            return None;
-        }
-        let reduced_rows = rows.iter().map(|(_, row)| row.clone()).collect();
-        let reduced = reduced.exchanged((path, freedom), reduced_rows, settings, response)?;
+        let rows =
+            Some(BoundRows::new(freedom, held, settings)).filter(|rows| rows.differ_on(path, &self.rows))?;
+        let reduced =
+            reduced.exchanged((path, freedom), own.springs(freedom.phase, settings)?, &rows, response)?;
         Some(Self {
             rows,
             hard: self.hard.clone(),
@@ -243,45 +238,5 @@ impl PhaseSolver {
     pub fn gauges(&self) -> usize {
         let direct = || self.direct.as_ref().map_or(0, |direct| direct.gauges);
         self.reduced.as_ref().map_or_else(direct, ReducedPhase::gauges)
-    }
-}
-
-/// Coefficients and weights are the same if they differ by no more than this, relative to the larger.
-const SAME: f64 = 1e-12;
-
-/// Whether two rows are the same but for their terms on path `path` and their weight if they have any there.
-fn differ_on(path: usize, new: &PointRow<c64>, old: &PointRow<c64>) -> bool {
-    let touches = |row: &PointRow<c64>| row.terms.iter().any(|term| term.0 == path);
-    let equally_strong = match (new.weight, old.weight) {
-        (Some(_), Some(_)) if touches(new) && touches(old) => true,
-        (new, old) => new == old,
-    };
-    let same = |a: &Term, b: &Term| {
-        (a.0, a.1) == (b.0, b.1) && (a.2 - b.2).norm_sqr() <= SAME * SAME * b.2.norm_sqr()
-    };
-    let mut elsewhere = [new, old].map(|row| row.terms.iter().filter(|term| term.0 != path));
-    let [new, old] = &mut elsewhere;
-    equally_strong
-        && new.all(|term| old.next().is_some_and(|known| same(term, known)))
-        && old.next().is_none()
-}
-
-/// Held rows that bind in this phase.
-fn bound_rows(freedom: Freedom, held: &[Prepared], settings: &SpatialSettings) -> Vec<BoundRow> {
-    let counts: Vec<usize> = freedom.paths.iter().map(RestPath::len).collect();
-    let rigid = settings.runs == RunMode::Rigid;
-    let bound = held.iter().enumerate().filter(|(_, prepared)| prepared.binds(freedom.phase, rigid));
-    let row = |prepared: &Prepared| PointRow {
-        terms: prepared.terms(freedom.phase, settings.relative, &counts),
-        weight: weight_of(prepared),
-    };
-    bound.map(|(index, prepared)| (index, row(prepared))).collect()
-}
-
-/// Weight of a held row in metres; `None`: hard.
-pub fn weight_of(prepared: &Prepared) -> Option<f64> {
-    match prepared.row.strength {
-        Strength::Hard => None,
-        Strength::Soft(weight) => Some(weight * prepared.soft_scale().powi(2)),
     }
 }

@@ -1,10 +1,14 @@
 //! One phase reduced exactly to its held rows: paths as springs.
 
+use std::sync::Arc;
+
 use cotillion_solvers::{
     Bent, Compliance, ComplianceAnalysis, ComplianceFactor, Effort, KktError, PathResponse, PointRow,
+    SpringPath,
 };
 use rayon::prelude::*;
 
+use crate::edit::bound_rows::BoundRows;
 use crate::edit::columns::Freedom;
 use crate::edit::settings::SpatialSettings;
 use crate::edit::springs::{run_rows, spring_path};
@@ -99,19 +103,21 @@ impl ReducedPhase {
         Some(PathResponse::new(&self.problem, factor, path))
     }
 
-    /// The same with other springs for path `path`, those of `freedom`, and other terms and weights of the rows on it;
+    /// The same with the path `path` of `freedom`, of other `springs`, and other terms and weights of the rows on it;
     /// `None` where that has other unknowns or is singular. `response`: of the path.
     pub fn exchanged(
         &self,
         (path, freedom): (usize, Freedom),
-        mut rows: Vec<PointRow<c64>>,
-        settings: &SpatialSettings,
+        springs: Arc<SpringPath>,
+        rows: &BoundRows,
         response: &PathResponse,
     ) -> Option<Self> {
         let (factor, _) = self.factor.as_ref()?;
-        rows.extend(run_rows(freedom));
-        let targets = vec![c64::default(); rows.len()];
-        let problem = self.problem.with_path(path, spring_path(freedom, path, settings)?, rows)?;
+        let run_rows = run_rows(freedom);
+        let targets = self.targets.clone();
+        let run_rows = run_rows.iter().map(|row| (row.terms.as_slice(), row.weight));
+        let rows = rows.iter().chain(run_rows);
+        let problem = self.problem.with_path(path, springs, rows)?;
         let factor = response.factor((&self.problem, factor), &problem).ok()?;
         let bent = Bent::new(&problem, &factor);
         Some(Self {

@@ -19,7 +19,6 @@ pub fn reference_translations<'a>(
     rotations: impl Fn(usize) -> Rotations,
 ) -> Vec<Option<c64>> {
     let mut sums = vec![[(c64::default(), 0.0); 2]; paths];
-    let mut ties: Vec<Vec<(usize, c64)>> = vec![Vec::new(); paths];
     let point =
         |place: Place, rotation: c64| path::at(path(place.path), place.frame) + rotation * place.detail;
     for (row, prepared) in held.iter().enumerate() {
@@ -42,19 +41,24 @@ pub fn reference_translations<'a>(
                 *sum += (target - point(at, rotations.at)) * weight;
                 *total += weight;
             }
-            Hold::Offset { at, to, offset } => {
-                let wanted = cis(to.heading) * rotations.to * offset;
-                let apart = wanted - (point(at, rotations.at) - point(to, rotations.to));
-                ties[to.path].push((at.path, apart));
-                ties[at.path].push((to.path, -apart));
-            }
-            Hold::Facing { .. } | Hold::RelativeFacing { .. } => {}
+            Hold::Offset { .. } | Hold::Facing { .. } | Hold::RelativeFacing { .. } => {}
         }
     }
     let mean =
         |sums: &[(c64, f64); 2]| sums.iter().find(|(_, total)| *total > 0.0).map(|(sum, total)| sum / total);
     let mut known: Vec<Option<c64>> = sums.iter().map(mean).collect();
-    spread(&ties, &mut known);
+    if known.contains(&None) {
+        let mut ties: Vec<Vec<(usize, c64)>> = vec![Vec::new(); paths];
+        for (row, prepared) in held.iter().enumerate() {
+            let Hold::Offset { at, to, offset } = prepared.row.hold else { continue };
+            let rotations = rotations(row);
+            let wanted = cis(to.heading) * rotations.to * offset;
+            let apart = wanted - (point(at, rotations.at) - point(to, rotations.to));
+            ties[to.path].push((at.path, apart));
+            ties[at.path].push((to.path, -apart));
+        }
+        spread(&ties, &mut known);
+    }
     known
 }
 

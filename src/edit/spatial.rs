@@ -6,15 +6,18 @@
 
 mod rotations;
 
+use std::sync::Arc;
+
 use cotillion_solvers::KktError;
 
 use crate::edit::bodies::leave_to_the_body;
 use crate::edit::clash::{self, Miss};
 use crate::edit::columns::Freedom;
-use crate::edit::direction::{Direction, run_chord};
+use crate::edit::direction::Direction;
 use crate::edit::energy::length;
 use crate::edit::facing::{Body, hold_facings};
 use crate::edit::hold::{Phase, Prepared, Rotations};
+use crate::edit::own_path::chords;
 use crate::edit::parallel::for_each_path;
 use crate::edit::phase::PhaseSolver;
 use crate::edit::reference::reference_translations;
@@ -58,7 +61,7 @@ pub type Runs = Vec<(usize, usize)>;
 /// One connected group of characters with its factored systems and its present result.
 pub struct SpatialComponent {
     /// Rest paths.
-    pub rests: Vec<RestPath>,
+    pub rests: Vec<Arc<RestPath>>,
     /// Which frames these are; empty: all.
     pub(super) samplings: Vec<Sampling>,
     /// Held rows; places name paths of this component. Targets may change, structure may not.
@@ -82,9 +85,9 @@ pub struct SpatialComponent {
     pub(super) settings: SpatialSettings,
     pub(super) backend: Backend,
     /// Segments of the rest paths.
-    pub(super) segments: Vec<RestSegments>,
+    pub(super) segments: Vec<Arc<RestSegments>>,
     /// Longest chord of every stationary stretch, by path.
-    pub(super) chords: Vec<Vec<Direction>>,
+    pub(super) chords: Vec<Arc<Vec<Direction>>>,
     pub(super) shape: PhaseSolver,
     pub(super) scale: PhaseSolver,
     /// Systems with other stretches released than the present ones, with these stretches.
@@ -118,7 +121,7 @@ enum Attempt {
 impl SpatialComponent {
     /// Assembles both systems. Cost: linear in frames.
     pub fn new(
-        rests: Vec<RestPath>,
+        rests: Vec<impl Into<Arc<RestPath>>>,
         held: Vec<Prepared>,
         settings: SpatialSettings,
         backend: Backend,
@@ -128,11 +131,12 @@ impl SpatialComponent {
 
     /// The same of paths of which only some frames are given, as the samplings say; by [`Backend::Direct`].
     pub fn of_samples(
-        (rests, samplings): (Vec<RestPath>, Vec<Sampling>),
+        (rests, samplings): (Vec<impl Into<Arc<RestPath>>>, Vec<Sampling>),
         mut held: Vec<Prepared>,
         settings: SpatialSettings,
         backend: Backend,
     ) -> Self {
+        let rests: Vec<Arc<RestPath>> = rests.into_iter().map(Into::into).collect();
         if settings.facing == FacingMode::TangentBlend {
             leave_to_the_body(&mut held, &rests);
         }
@@ -140,14 +144,14 @@ impl SpatialComponent {
         Self {
             shaped: rests.iter().map(|rest| rest.positions.clone()).collect(),
             edited: rests.iter().map(|rest| rest.positions.clone()).collect(),
-            turned: rests.iter().map(TurnedPath::new).collect(),
+            turned: rests.iter().map(|rest| TurnedPath::new(rest)).collect(),
             bodies: rests.iter().map(|rest| Body::new(rest, settings.facing)).collect(),
-            segments: rests.iter().map(RestPath::segments).collect(),
+            segments: rests.iter().map(|rest| Arc::new(rest.segments())).collect(),
             rotations: vec![Rotations::NONE; held.len()],
             energy: SpatialEnergy::default(),
             translations: vec![c64::default(); rests.len()],
             released: Vec::new(),
-            chords: rests.iter().map(chords).collect(),
+            chords: rests.iter().map(|rest| Arc::new(chords(rest))).collect(),
             rests,
             samplings,
             held,
@@ -171,8 +175,7 @@ impl SpatialComponent {
     }
 
     fn assembled(&self, released: &[(usize, usize)]) -> [PhaseSolver; 2] {
-        let paths = (self.rests.as_slice(), self.samplings.as_slice());
-        assemble_both(paths, &self.held, (&self.settings, self.backend), released)
+        assemble_both((&self.rests, &self.samplings), &self.held, (&self.settings, self.backend), released)
     }
 
     /// Goes over to the systems with the stretches `released`, which are kept once they are assembled.
@@ -251,8 +254,11 @@ impl SpatialComponent {
         if let Some(ended) = self.solve_shape(drawn_up_to)? {
             return Ok(ended);
         }
+        let before = self.may_turn().then(|| self.rotations.clone());
         if self.update_rotations() {
-            if let Some(ended) = self.solve_shape(most)? {
+            if before.is_none_or(|before| self.asks_otherwise(&before))
+                && let Some(ended) = self.solve_shape(most)?
+            {
                 return Ok(ended);
             }
             self.update_rotations();
@@ -261,6 +267,7 @@ impl SpatialComponent {
         if self.energy.shape + self.energy.shape_soft > most {
             return Ok(Attempt::Ended(Solved::TooMuch));
         }
+        self.turn_paths();
         if self.lacks_scale {
             return Ok(Attempt::Ended(Solved::LacksScale));
         }
@@ -280,21 +287,17 @@ impl SpatialComponent {
         if let Some((rows, miss)) = self.shape.contradiction() {
             return self.clash(&rows, miss).map(Some);
         }
-        let paths = (self.rests.as_slice(), self.samplings.as_slice());
-        let freedom = freedom(paths, Phase::Shape, &self.settings, &self.released);
+        let freedom = freedom((&self.rests, &self.samplings), Phase::Shape, &self.settings, &self.released);
         let solved = self.shape.solve(freedom, &self.settings);
         solved.map_err(|error| SpatialError::Solver(Phase::Shape, error))?;
         (self.energy.shape, self.energy.shape_soft) = self.shape.energies();
         if self.energy.shape + self.energy.shape_soft > most {
             return Ok(Some(Attempt::Ended(Solved::TooMuch)));
         }
-        let (shape, segments, chords, released) = (&self.shape, &self.segments, &self.chords, &self.released);
-        let bend = |path: usize, shaped: &mut Vec<c64>, turned: &mut TurnedPath| {
+        let shape = &self.shape;
+        let bend = |path: usize, shaped: &mut Vec<c64>, _: &mut TurnedPath| {
             let (rest, translation) = (&rests[path], translations[path]);
             shape.points(path, |frame| rest.positions[frame] + translation, shaped);
-            let kept = |(run, _): &(usize, _)| released.binary_search(&(path, *run)).is_err();
-            let runs = rest.rigid.iter().zip(&chords[path]).enumerate().filter(kept);
-            turned.follow(&segments[path], shaped, runs.map(|(_, run)| run));
         };
         for_each_path(rests, &mut self.shaped, &mut self.turned, bend);
         Ok(None)
@@ -309,8 +312,7 @@ impl SpatialComponent {
         if let Some((rows, miss)) = self.scale.contradiction() {
             return self.clash(&rows, miss).map(Some);
         }
-        let paths = (self.rests.as_slice(), self.samplings.as_slice());
-        let freedom = freedom(paths, Phase::Scale, &self.settings, &self.released);
+        let freedom = freedom((&self.rests, &self.samplings), Phase::Scale, &self.settings, &self.released);
         let solved = self.scale.solve(freedom, &self.settings);
         solved.map_err(|error| SpatialError::Solver(Phase::Scale, error))?;
         if !self.lengths_only {
@@ -363,11 +365,6 @@ impl SpatialComponent {
     }
 }
 
-/// Longest chord of every stationary stretch of a path.
-pub(super) fn chords(rest: &RestPath) -> Vec<Direction> {
-    rest.rigid.iter().map(|run| run_chord(rest, *run)).collect()
-}
-
 fn centre(points: &[c64]) -> c64 {
     points.iter().sum::<c64>() / points.len() as f64
 }
@@ -379,7 +376,7 @@ fn unique(mut constraints: Vec<ConstraintId>) -> Vec<ConstraintId> {
 }
 
 fn assemble_both(
-    paths: (&[RestPath], &[Sampling]),
+    paths: (&[Arc<RestPath>], &[Sampling]),
     held: &[Prepared],
     (settings, backend): (&SpatialSettings, Backend),
     released: &[(usize, usize)],
@@ -389,7 +386,7 @@ fn assemble_both(
 }
 
 pub(super) fn freedom<'a>(
-    (paths, samplings): (&'a [RestPath], &'a [Sampling]),
+    (paths, samplings): (&'a [Arc<RestPath>], &'a [Sampling]),
     phase: Phase,
     settings: &SpatialSettings,
     released: &'a [(usize, usize)],

@@ -5,6 +5,7 @@ use crate::geometry::c64;
 use crate::path::{RestPath, RestSegments, SegmentFactors};
 
 /// A path of rest segments turned as in the shape phase.
+#[derive(Default)]
 pub struct TurnedPath {
     /// Segment factors of the shape phase; inside a kept stationary stretch, rotations are that of the stretch.
     pub factors: SegmentFactors,

@@ -4,23 +4,36 @@
 //! stand for two factorisations, and solutions are refined as always. Mathematics: the exchange of a path in
 //! `cotillion_solvers`.
 
+use std::sync::{Arc, Mutex, PoisonError};
+
 use cotillion_solvers::{Effort, PathResponse};
 
 use crate::edit::bodies::leave_to_the_body;
 use crate::edit::facing::Body;
 use crate::edit::hold::{Phase, Prepared, Rotations};
+use crate::edit::own_path::OwnPath;
 use crate::edit::phase::PhaseSolver;
 use crate::edit::settings::FacingMode;
-use crate::edit::spatial::{SpatialComponent, chords, freedom};
+use crate::edit::spatial::{SpatialComponent, freedom};
 use crate::edit::turned::TurnedPath;
 use crate::geometry::c64;
 use crate::path::RestPath;
 
 /// How the two phases of a group answer to changes of one of its paths.
-#[derive(Clone, Debug)]
 pub struct GroupResponse {
     path: usize,
     phases: [PathResponse; 2],
+    /// Memory for solves of exchanged groups, as many as were solved at once.
+    canvases: Mutex<Vec<Canvas>>,
+}
+
+/// What the solves of a group draw on.
+#[derive(Default)]
+struct Canvas {
+    shaped: Vec<Vec<c64>>,
+    turned: Vec<TurnedPath>,
+    edited: Vec<Vec<c64>>,
+    bodies: Vec<Body>,
 }
 
 /// Answers to changes of path `path`; `None` where they cannot be said beforehand: stretches had to be released, motions are
@@ -29,16 +42,17 @@ pub fn response(group: &SpatialComponent, path: usize) -> Option<GroupResponse> 
     if !group.released.is_empty() {
         return None;
     }
-    Some(GroupResponse { path, phases: [group.shape.response(path)?, group.scale.response(path)?] })
+    let phases = [group.shape.response(path)?, group.scale.response(path)?];
+    Some(GroupResponse { path, phases, canvases: Mutex::default() })
 }
 
-/// The group with `rest` in place of a path, and the rows `held` with those on it, for the shape phase; of its bodies it tells
-/// lengths only. `None`
-/// where more would change than that. Cost: linear in frames of the group, and by the cube of the rows of the path.
+/// The group with `other` in place of a path, and the rows `held` with those on it, for the shape phase; of its bodies it tells
+/// lengths only, and it is solved [with a canvas](on_canvas). `None` where more would change than that. Cost: linear in frames
+/// of the path and paths of the group, and by the square of the rows of the path.
 pub fn exchanged(
     group: &SpatialComponent,
     response: &GroupResponse,
-    rest: RestPath,
+    other: &Arc<OwnPath>,
     mut held: Vec<Prepared>,
 ) -> Option<SpatialComponent> {
     let path = response.path;
@@ -46,24 +60,23 @@ pub fn exchanged(
         return None;
     }
     let mut rests = group.rests.clone();
-    rests[path] = rest;
+    rests[path] = Arc::clone(&other.rest);
     if group.settings.facing == FacingMode::TangentBlend {
         leave_to_the_body(&mut held, &rests);
     }
     let settings = group.settings;
     let (all, rows) = (rests.as_slice(), held.as_slice());
-    let own = |phase| (path, freedom((all, &[]), phase, &settings, &[]));
-    let shape = group.shape.exchanged(own(Phase::Shape), rows, &settings, &response.phases[0])?;
+    let own = (path, freedom((all, &[]), Phase::Shape, &settings, &[]), &**other);
+    let shape = group.shape.exchanged(own, rows, &settings, &response.phases[0])?;
     let mut segments = group.segments.clone();
-    segments[path] = rests[path].segments();
+    segments[path] = Arc::clone(&other.segments);
     let mut own_chords = group.chords.clone();
-    own_chords[path] = chords(&rests[path]);
-    let points: Vec<Vec<c64>> = rests.iter().map(|rest| rest.positions.clone()).collect();
+    own_chords[path] = Arc::clone(&other.chords);
     Some(SpatialComponent {
-        shaped: points.clone(),
-        edited: points,
-        turned: rests.iter().map(TurnedPath::new).collect(),
-        bodies: rests.iter().map(|_| Body::default()).collect(),
+        shaped: Vec::new(),
+        edited: Vec::new(),
+        turned: Vec::new(),
+        bodies: Vec::new(),
         segments,
         rotations: vec![Rotations::NONE; held.len()],
         energy: Default::default(),
@@ -83,18 +96,57 @@ pub fn exchanged(
     })
 }
 
-/// Gives an exchanged group its scale system, to be solved by `effort`; `None` where more would change than the path. Most shapes take too much already.
+/// Does `work` with an exchanged group that has room to be solved.
+pub fn on_canvas<T>(
+    response: &GroupResponse,
+    group: &mut SpatialComponent,
+    work: impl FnOnce(&mut SpatialComponent) -> T,
+) -> T {
+    let free = || response.canvases.lock().unwrap_or_else(PoisonError::into_inner);
+    let mut canvas = free().pop().unwrap_or_default();
+    canvas.fit(&group.rests);
+    canvas.swap_with(group);
+    let done = work(group);
+    canvas.swap_with(group);
+    free().push(canvas);
+    done
+}
+
+impl Canvas {
+    /// Makes room for these paths.
+    fn fit(&mut self, rests: &[Arc<RestPath>]) {
+        self.shaped.resize_with(rests.len(), Vec::new);
+        self.edited.resize_with(rests.len(), Vec::new);
+        self.turned.resize_with(rests.len(), TurnedPath::default);
+        self.bodies.resize_with(rests.len(), Body::default);
+        for (path, rest) in rests.iter().enumerate() {
+            for points in [&mut self.shaped[path], &mut self.edited[path], &mut self.turned[path].points] {
+                points.resize(rest.len(), c64::default());
+            }
+        }
+    }
+
+    fn swap_with(&mut self, group: &mut SpatialComponent) {
+        std::mem::swap(&mut self.shaped, &mut group.shaped);
+        std::mem::swap(&mut self.turned, &mut group.turned);
+        std::mem::swap(&mut self.edited, &mut group.edited);
+        std::mem::swap(&mut self.bodies, &mut group.bodies);
+    }
+}
+
+/// Gives a group exchanged for `other` its scale system, to be solved by `effort`; `None` where more would change than the
+/// path. Most shapes take too much already.
 pub fn complete(
     group: &SpatialComponent,
     response: &GroupResponse,
-    (own, effort): (&mut SpatialComponent, Effort),
+    (own, other, effort): (&mut SpatialComponent, &OwnPath, Effort),
 ) -> Option<()> {
     if !group.released.is_empty() {
         return None;
     }
     let settings = own.settings;
     let freedom = freedom((&own.rests, &[]), Phase::Scale, &settings, &[]);
-    let path = (response.path, freedom);
+    let path = (response.path, freedom, other);
     own.scale = group.scale.exchanged(path, &own.held, &settings, &response.phases[1])?;
     set_effort(own, effort);
     own.lacks_scale = false;

@@ -127,13 +127,10 @@ impl Track {
     pub fn shown_after(&self, splice: &Splice) -> Vec<Stretch> {
         let last = self.frame_count() - 1;
         assert!(splice.after <= last && splice.resume <= last + 1, "a splice is made for its track");
-        let mut stretches = self.stretches(0, splice.after);
-        stretches.extend(&splice.inserted);
-        if splice.resume <= last {
-            stretches.extend(self.stretches(splice.resume, last));
-        }
-        let mut joined: Vec<Stretch> = Vec::with_capacity(stretches.len());
-        for stretch in stretches {
+        let after = self.shown_from((splice.resume <= last).then_some(splice.resume), last);
+        let all = self.shown_from(Some(0), splice.after).chain(splice.inserted.iter().copied()).chain(after);
+        let mut joined: Vec<Stretch> = Vec::with_capacity(self.runs.len() + splice.inserted.len() + 1);
+        for stretch in all {
             match joined.last_mut() {
                 Some(own) if own.entry == stretch.entry && own.last.0 + 1 == stretch.first.0 => {
                     own.last = stretch.last;
@@ -146,7 +143,13 @@ impl Track {
 
     /// What the track shows from track frame `first` to `last`, included.
     pub fn stretches(&self, first: usize, last: usize) -> Vec<Stretch> {
-        let within = |(run, start): (&Run, usize)| {
+        self.shown_from(Some(first), last).collect()
+    }
+
+    /// The same one after the other; nothing without a first frame.
+    fn shown_from(&self, first: Option<usize>, last: usize) -> impl Iterator<Item = Stretch> {
+        let first = first.unwrap_or(usize::MAX);
+        let within = move |(run, start): (&Run, usize)| {
             let (from, to) = (first.max(start), last.min(start + run.frame_count() - 1));
             (from <= to).then(|| Stretch {
                 entry: run.entry,
@@ -154,7 +157,7 @@ impl Track {
                 last: FrameIndex::from_usize(run.first.as_usize() + to - start),
             })
         };
-        self.placed_runs().filter_map(within).collect()
+        self.placed_runs().filter_map(within)
     }
 
     /// This track's clips, `stretches` of them one after another, each a run. The first frame stays where this track's is.

@@ -3,10 +3,10 @@
 use super::Editor;
 use super::variant::{Space, Timing, Variant, place_of};
 use crate::clip::working::WORKING_STEP;
-use crate::edit::energy::{Energy, least_length_cost, length};
+use crate::edit::bound_rows::weight_of;
+use crate::edit::energy::{Energy, least_length_cost};
 use crate::edit::groups::Group;
 use crate::edit::hold::{Hold, Prepared};
-use crate::edit::phase::weight_of;
 use crate::geometry::c64;
 use crate::index::CharacterId;
 use crate::path::RestPath;
@@ -20,7 +20,7 @@ const SAME_PLACE: f64 = 1e-11;
 impl Editor {
     /// Whether a variant takes the very path that its character has, to rounding.
     pub fn has_path(&self, variant: &Variant) -> bool {
-        let (own, present) = (&variant.rest, &self.edit.characters[variant.character].rest);
+        let (own, present) = (&variant.own.rest, &self.edit.characters[variant.character].rest);
         let near = |(a, b): (&c64, &c64)| (a - b).norm_sqr() <= SAME_PLACE * SAME_PLACE;
         own.len() == present.len()
             && own.rigid == present.rigid
@@ -38,10 +38,10 @@ impl Editor {
         let held = self.held_with((variant, &timing.objects), index);
         let mut lengths: Vec<f64> =
             group.characters.iter().map(|tied| self.extents[*tied].length.0).collect();
-        lengths[place] = length(&variant.rest.positions);
+        lengths[place] = variant.own.length;
         let places = held_places(&held, group.characters.len());
         let least = |(path, own): (usize, &f64)| {
-            let rest = if path == place { &variant.rest } else { &group.component.rests[path] };
+            let rest = if path == place { &variant.own.rest } else { &group.component.rests[path] };
             let [all, hard] = [true, false].map(|soft| {
                 let (straight, give) = straight_length(&places[path], rest, soft);
                 least_length_cost((*own, straight), give, self.scene.mode)

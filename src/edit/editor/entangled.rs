@@ -60,7 +60,7 @@ impl Editor {
     ) -> Result<Self, EditError> {
         let members = self.members(concerned);
         let mut rests: Vec<&RestPath> = self.edit.characters.iter().map(|own| &own.rest).collect();
-        rests[variant.character] = &variant.rest;
+        rests[variant.character] = &variant.own.rest;
         let wanted = |kind: &ConstraintKind| {
             let spatial = matches!(kind, ConstraintKind::Pin { .. } | ConstraintKind::Relative { .. });
             spatial && kind.moments().iter().any(|moment| members[moment.character.as_usize()])

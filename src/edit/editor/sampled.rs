@@ -4,6 +4,8 @@
 //! All paths of the group on every 25th frame and those that matter, by sparse LU of all kept frames, planned anew each time.
 //! Times are exact, by whatever system. Source: Kim et al. 2009, §5.3 (acceleration).
 
+use std::sync::Arc;
+
 use cotillion_solvers::SpringPath;
 
 use super::Editor;
@@ -39,7 +41,8 @@ impl Editor {
         let (index, place) = place_of(&self.spatial, variant.character).unwrap_or_default();
         let group = &self.spatial[index];
         let held = self.held_with((variant, &ObjectsThen::default()), index);
-        let rest_of = |path: usize| if path == place { &variant.rest } else { &group.component.rests[path] };
+        let rest_of =
+            |path: usize| if path == place { &variant.own.rest } else { &group.component.rests[path] };
         let sampling = |(path, who): (usize, &usize)| {
             let starts = self.scene.characters[*who].track.placed_runs().skip(1).map(|(_, start)| start);
             let seams: Vec<usize> = if path == place { variant.seams.clone() } else { starts.collect() };
@@ -98,7 +101,7 @@ impl Editor {
     }
 
     /// Compliance at each frame of a path in the shape phase.
-    fn springs(&self, rest: &RestPath) -> Vec<f64> {
+    fn springs(&self, rest: &Arc<RestPath>) -> Vec<f64> {
         let paths = std::slice::from_ref(rest);
         let runs = self.settings.runs;
         let freedom = Freedom { paths, phase: Phase::Shape, runs, released: &[], samplings: &[] };

@@ -1,19 +1,22 @@
 //! What the energy would be if one character performed another track: only who is connected to them is solved.
 
+use std::sync::Arc;
+
 use cotillion_solvers::Effort;
 
 use crate::clip::working::WORKING_STEP;
 use crate::constraint::ConstraintKind;
 use crate::edit::EditError;
-use crate::edit::energy::{Energy, Extent, length};
+use crate::edit::energy::{Energy, Extent};
 use crate::edit::expand::{Expansion, Following, expand_some};
 use crate::edit::groups::Group;
 use crate::edit::hold::Prepared;
+use crate::edit::own_path::OwnPath;
 use crate::edit::retarget::{retarget, seconds_of};
 use crate::edit::spatial::{Solved, SpatialComponent};
 use crate::edit::temporal::{TemporalComponent, TemporalSettings};
 use crate::edit::time_row::TimeRow;
-use crate::edit::what_if::{GroupResponse, complete, exchanged, response, set_effort};
+use crate::edit::what_if::{GroupResponse, complete, exchanged, on_canvas, response, set_effort};
 use crate::index::{CharacterId, ConstraintId};
 use crate::path::RestPath;
 use crate::scene::Scene;
@@ -31,7 +34,7 @@ pub struct Variant {
     /// Whose track.
     pub character: usize,
     /// Rest path of the other track.
-    pub rest: RestPath,
+    pub own: Arc<OwnPath>,
     /// Spatial rows of all constraints that name the character, in their order; paths are numbered as characters.
     pub(super) held: Vec<Prepared>,
     /// Temporal rows of these, likewise.
@@ -95,7 +98,7 @@ impl Variant {
         let objects =
             self.carries.iter().map(|own| own.2).chain(self.following.iter().map(|row| row.at.frame));
         let frames = points.map(|point| point.frame).chain(objects).map(f64::to_bits);
-        [self.character as u64, self.rest.len() as u64].into_iter().chain(frames).collect()
+        [self.character as u64, self.own.rest.len() as u64].into_iter().chain(frames).collect()
     }
 }
 
@@ -106,12 +109,11 @@ impl Editor {
     }
 
     /// The track that `character` has in `scene`, which differs from this editor's in nothing else but where moments on this
-    /// track are.
-    pub fn variant(&self, scene: &Scene, character: CharacterId) -> Variant {
+    /// track are; `own`: the path of that track.
+    pub fn variant(&self, scene: &Scene, character: CharacterId, own: Arc<OwnPath>) -> Variant {
         let who = character.as_usize();
-        let rest = scene.characters[who].track.rest_path();
         let mut rests: Vec<&RestPath> = self.edit.characters.iter().map(|own| &own.rest).collect();
-        rests[who] = &rest;
+        rests[who] = &own.rest;
         let names = |kind: &ConstraintKind| kind.moments().iter().any(|moment| moment.character == character);
         let Expansion { held, times, following } = expand_some(scene, &rests, names);
         let held = held.into_iter().map(|row| Prepared::new(row, &rests, self.settings.baseline)).collect();
@@ -120,7 +122,7 @@ impl Editor {
         let starts = scene.characters[who].track.placed_runs().skip(1).map(|(_, start)| start);
         let seams = starts.collect();
         let carries = self.ties.moments(scene, character);
-        Variant { character: who, rest, held, times, constraints, seams, following, carries }
+        Variant { character: who, own, held, times, constraints, seams, following, carries }
     }
 
     /// How the paths of a character's group answer to changes of theirs, for any number of variants; `None` where that cannot
@@ -147,7 +149,7 @@ impl Editor {
         let (index, place) = place_of(&self.temporal, variant.character).unwrap_or_default();
         let Group { component, characters, frames, .. } = &self.temporal[index];
         let mut counts = component.counts.clone();
-        counts[place] = variant.rest.len();
+        counts[place] = variant.own.rest.len();
         let number = |track: usize| characters.binary_search(&track).unwrap_or_default();
         let mut rows = variant.times.clone();
         for row in &mut rows {
@@ -181,7 +183,7 @@ impl Editor {
         let (index, place) = place_of(&self.spatial, variant.character).unwrap_or_default();
         let group = &self.spatial[index];
         let mut rests = group.component.rests.clone();
-        rests[place] = variant.rest.clone();
+        rests[place] = Arc::clone(&variant.own.rest);
         let mut spaces = vec![self.space(index, rests, self.held_with((variant, &timing.objects), index))?];
         for (other, _) in &timing.objects.elsewhere {
             spaces.push(self.space_then(*other, timing)?);
@@ -198,7 +200,12 @@ impl Editor {
     }
 
     /// What component `index` comes to with these paths and rows.
-    fn space(&self, index: usize, rests: Vec<RestPath>, held: Vec<Prepared>) -> Result<Space, EditError> {
+    fn space(
+        &self,
+        index: usize,
+        rests: Vec<Arc<RestPath>>,
+        held: Vec<Prepared>,
+    ) -> Result<Space, EditError> {
         let mut component = SpatialComponent::new(rests, held, self.settings, self.backend);
         let characters = &self.spatial[index].characters;
         component.solve().map_err(|error| space_error(&self.scene, characters, error))?;
@@ -217,7 +224,7 @@ impl Editor {
         let (index, _) = place_of(&self.spatial, variant.character)?;
         let group = &self.spatial[index];
         let held = self.held_with((variant, &timing.objects), index);
-        let component = exchanged(&group.component, response, variant.rest.clone(), held)?;
+        let component = exchanged(&group.component, response, &variant.own, held)?;
         Some(Exchange { group: index, component })
     }
 
@@ -234,39 +241,43 @@ impl Editor {
         if timing.is_entangled() {
             return None;
         }
-        exchange.component.held.iter_mut().for_each(|prepared| {
+        let Exchange { group, component } = exchange;
+        component.held.iter_mut().for_each(|prepared| {
             retarget(&mut prepared.row, &self.scene);
         });
-        timing.objects.place(exchange.group, &mut exchange.component.held);
+        timing.objects.place(*group, &mut component.held);
         let doubtful = most + SKETCHED * (1.0 + most);
-        match self.energy_below(whom, (exchange, response), (doubtful - least, Effort::Sketch))? {
-            WhatIf::Energy(energy) if energy.total <= doubtful => {
-                self.energy_below(whom, (exchange, response), (most - least, Effort::Estimate))
+        on_canvas(response, component, |component| {
+            let mut below = |most, effort| {
+                self.energy_below(whom, (*group, &mut *component, response), (most - least, effort))
+            };
+            match below(doubtful, Effort::Sketch)? {
+                WhatIf::Energy(energy) if energy.total <= doubtful => below(most, Effort::Estimate),
+                WhatIf::Energy(energy) => Some(WhatIf::TooMuch(Some(energy.total))),
+                given_up => Some(given_up),
             }
-            WhatIf::Energy(energy) => Some(WhatIf::TooMuch(Some(energy.total))),
-            given_up => Some(given_up),
-        }
+        })
     }
 
     /// Ê by some effort, given up where the shape alone takes more than `most`, in Ê.
     fn energy_below(
         &self,
         (variant, timing): (&Variant, &Timing),
-        (Exchange { group, component }, response): (&mut Exchange, &GroupResponse),
+        (group, component, response): (usize, &mut SpatialComponent, &GroupResponse),
         (most, effort): (f64, Effort),
     ) -> Option<WhatIf> {
         let most = most * WORKING_STEP.powi(3);
         set_effort(component, effort);
         let mut solved = component.solve_below(most).ok()?;
         if solved == Solved::LacksScale {
-            complete(&self.spatial[*group].component, response, (component, effort))?;
+            complete(&self.spatial[group].component, response, (component, &variant.own, effort))?;
             solved = component.go_on(most).ok()?;
         }
         if solved != Solved::Both {
             return Some(WhatIf::TooMuch(None));
         }
         let lengths = component.bodies.iter().map(|body| body.length).collect();
-        let mut spaces = vec![space_of(*group, component, lengths)];
+        let mut spaces = vec![space_of(group, component, lengths)];
         let far = timing.objects.elsewhere.iter().filter(|(_, apart)| *apart > NOWHERE_ELSE);
         for (other, _) in far {
             spaces.push(self.space_then(*other, timing).ok()?);
@@ -283,7 +294,7 @@ impl Editor {
     }
 
     pub(super) fn take_seconds(&self, variant: &Variant, timing: &Timing, extents: &mut [Extent]) {
-        extents[variant.character].seconds.0 = (variant.rest.len() - 1) as f64 * WORKING_STEP;
+        extents[variant.character].seconds.0 = (variant.own.rest.len() - 1) as f64 * WORKING_STEP;
         for (character, seconds) in self.temporal[timing.group].characters.iter().zip(&timing.seconds) {
             extents[*character].seconds.1 = *seconds;
         }
@@ -292,7 +303,7 @@ impl Editor {
     /// Ê of the variant's groups and all others as they are, summed in the order of [`Editor::solve`].
     pub(super) fn energy_with(&self, variant: &Variant, timing: &Timing, spaces: &[Space]) -> Energy {
         let mut extents = self.extents.clone();
-        extents[variant.character].length.0 = length(&variant.rest.positions);
+        extents[variant.character].length.0 = variant.own.length;
         for Space { group, lengths, .. } in spaces {
             for (character, length) in self.spatial[*group].characters.iter().zip(lengths) {
                 extents[*character].length.1 = *length;
@@ -324,10 +335,15 @@ impl Editor {
             retarget(&mut prepared.row, &self.scene);
             prepared.renumbered(number)
         };
-        let mut held: Vec<Prepared> = variant.held.iter().map(fresh).collect();
         let others = group.component.held.iter().filter(|prepared| !variant.binds(prepared.row.constraint));
-        held.extend(others.map(unbound));
-        held.sort_by_key(|prepared| prepared.row.constraint);
+        let mut own = variant.held.iter().peekable();
+        let mut held = Vec::with_capacity(variant.held.len() + group.component.held.len());
+        for other in others {
+            let before = |prepared: &&Prepared| prepared.row.constraint < other.row.constraint;
+            held.extend(std::iter::from_fn(|| own.next_if(before)).map(fresh));
+            held.push(unbound(other));
+        }
+        held.extend(own.map(fresh));
         objects.place(index, &mut held);
         held
     }

@@ -3,7 +3,9 @@
 use super::{SpatialComponent, SpatialError, unique};
 use crate::edit::bodies::{first_disagreement, spread_still_rotations};
 use crate::edit::clash::Miss;
-use crate::edit::hold::Hold;
+use crate::edit::hold::{Hold, Rotations};
+use crate::edit::parallel::for_each_path;
+use crate::edit::turned::TurnedPath;
 use crate::geometry::{c64, cis};
 
 impl SpatialComponent {
@@ -33,6 +35,23 @@ impl SpatialComponent {
         })
     }
 
+    /// Whether the shape phase has other targets than with the rotations `before`.
+    pub(super) fn asks_otherwise(&self, before: &[Rotations]) -> bool {
+        let turned = self.held.iter().zip(self.rotations.iter().zip(before));
+        turned.filter(|(_, (now, before))| now != before).any(|(held, _)| !held.ignores_rotations())
+    }
+
+    /// Turns the rest paths as the last shape says.
+    pub(super) fn turn_paths(&mut self) {
+        let (rests, segments, chords, released) = (&self.rests, &self.segments, &self.chords, &self.released);
+        let turn = |path: usize, shaped: &mut Vec<c64>, turned: &mut TurnedPath| {
+            let kept = |(run, _): &(usize, _)| released.binary_search(&(path, *run)).is_err();
+            let runs = rests[path].rigid.iter().zip(chords[path].iter()).enumerate().filter(kept);
+            turned.follow(&segments[path], shaped, runs.map(|(_, run)| run));
+        };
+        for_each_path(rests, &mut self.shaped, &mut self.turned, turn);
+    }
+
     /// Rotations of all places on the shaped paths; whether a body without direction turned on the way.
     pub(super) fn update_rotations(&mut self) -> bool {
         let mut turned = false;
@@ -47,7 +66,7 @@ impl SpatialComponent {
                 }
                 (_, Hold::RelativeFacing { at, to, angle }) => {
                     let own = cis(to.heading + angle - at.heading) * rotations.to;
-                    turned |= prepared.at.is_none() && (own - rotations.at).norm() > 1e-12;
+                    turned |= prepared.at.is_none() && (own - rotations.at).norm_sqr() > 1e-24;
                     rotations.at = own;
                 }
                 (_, Hold::Facing { at, heading }) => rotations.at = cis(heading - at.heading),
@@ -75,7 +94,7 @@ impl SpatialComponent {
         for row in 0..self.held.len() {
             if let Some(partner) = self.held[row].partner_row {
                 let rotation = self.rotations[partner].at;
-                changed |= (self.rotations[row].to - rotation).norm() > 1e-12;
+                changed |= (self.rotations[row].to - rotation).norm_sqr() > 1e-24;
                 self.rotations[row].to = rotation;
             }
         }
