@@ -5,7 +5,6 @@
 //! each other: what is carried goes where it went before, and the body moves between its hands and its feet.
 
 pub mod before;
-pub mod settings;
 
 use std::collections::BTreeMap;
 
@@ -88,7 +87,7 @@ pub fn make_plausible(
     resampled: &mut Resampled,
 ) -> TouchUps {
     let Some(physics) = &stage.scene.physics else { return TouchUps::new() };
-    let is_meant = |who: &CharacterId| physics.characters.as_ref().is_none_or(|own| own.contains(who));
+    let is_meant = |who: &CharacterId| physics.is_for(*who);
     if !stage.scene.full_body.enabled {
         embodied.bodies = unembodied(stage, resampled);
     }
@@ -126,11 +125,11 @@ fn touched(
     if frames.len() < FEWEST_FRAMES {
         return Err(NotTouched::TooShort { frames: frames.len() });
     }
-    let body = body_model(&clip.skeleton, &settings::body(physics))?;
+    let body = body_model(&clip.skeleton, &physics.body)?;
     let track = &scene.characters[who.as_usize()].track;
     let Shown { source, stages } = before(track, &body, &frames, clip.fps);
     let own = shown_part(clip, first_frame);
-    let settings = settings::touch_up(physics, &source);
+    let settings = physics.touch_up(&source);
     let done = touch_up(&own, &body, &stages, Some(&source), &settings)?;
     Ok(Touched { first_frame, before: own, body, stages, done })
 }

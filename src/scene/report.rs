@@ -44,7 +44,12 @@ impl Report {
 
     /// Whether anything keeps the scene from being used.
     pub fn has_faults(&self) -> bool {
-        self.found.iter().any(|(severity, ..)| *severity == Severity::Fault)
+        self.fault_count() > 0
+    }
+
+    /// How much keeps the scene from being used.
+    pub fn fault_count(&self) -> usize {
+        self.found.iter().filter(|(severity, ..)| *severity == Severity::Fault).count()
     }
 
     /// Faults and warnings of the file `file` that says `text`, each in the order of the file, none twice. Of one place, which
