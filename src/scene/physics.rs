@@ -165,7 +165,8 @@ fn target(raw: &physics_table::Physics, is_paper: bool, report: &mut Report) -> 
     if is_hull {
         return Target::Hull { margin: margin.unwrap_or(if is_paper { 0.0 } else { MARGIN }) };
     }
-    if let Some(given) = raw.margin.given() {
+    // A target that cannot be read may have been meant to have one.
+    if let Some(given) = raw.margin.given().filter(|_| !matches!(raw.target, Field::Spoiled)) {
         let help = "leave it out, or write target = \"hull\"";
         report.fault(&given.place, "places that are carried over have no margin", help);
     }
