@@ -60,7 +60,7 @@ fn bent(pose: &Pose) -> Pose {
 fn full_body(criterion: &mut Criterion) {
     for (group, mode, reaches) in [
         ("full_body", PlantMode::AsCaptured, false),
-        ("full_body_pinned", PlantMode::PINNED, false),
+        ("full_body_pinned", PlantMode::Pinned, false),
         ("full_body_reaching", PlantMode::AsCaptured, true),
     ] {
         let mut group = criterion.benchmark_group(group);

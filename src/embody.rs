@@ -249,8 +249,8 @@ fn body(stage: &Stage<'_, Moved<'_>>, so_far: &SoFar<'_>, (who, clock): (Charact
 fn plant_mode(scene: &Scene) -> PlantMode {
     match scene.full_body.plants {
         Plants::AsCaptured => PlantMode::AsCaptured,
-        Plants::Pinned { largest_turn: None } => PlantMode::PINNED,
-        Plants::Pinned { largest_turn: Some(largest_turn) } => PlantMode::Pinned { largest_turn },
+        Plants::Pinned => PlantMode::Pinned,
+        Plants::Whole => PlantMode::Whole,
     }
 }
 

@@ -35,6 +35,7 @@ pub mod skeleton;
 pub mod limb;
 pub mod clip;
 pub mod similarity;
+pub mod quadratic;
 pub mod full_body;
 pub mod physics;
 pub mod constraint;

@@ -91,7 +91,7 @@ fn one_module_names_the_graph_library() {
 fn one_file_names_the_quadratic_solver() {
     for path in files(&root().join("src")) {
         let is_named = !used(&path, "clarabel::").is_empty();
-        assert_eq!(is_named, path.ends_with("src/physics/masses/qp.rs"), "{}", path.display());
+        assert_eq!(is_named, path.ends_with("src/quadratic.rs"), "{}", path.display());
     }
 }
 

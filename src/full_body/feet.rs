@@ -41,6 +41,9 @@ const FOOT: f64 = 0.2;
 /// Speed with which a foot leaves its plant for where it must be, m/s: farther than 0.1 m it takes a whole fade and is faster.
 const RELEASED: f64 = 0.3;
 
+/// A foot that rolls about its toe lets its ankle down by at most this for its knee, metres.
+const ROLLED: f64 = 0.05;
+
 /// A leg this near to level cannot tell how high its foot is by its length, sine.
 const NEARLY_LEVEL: f64 = 0.1;
 
@@ -63,6 +66,8 @@ pub struct Leg {
     pub aimed: Vec<bool>,
     /// When its heel and its toe are planted: as captured, or held still.
     pub planted: [Vec<bool>; 2],
+    /// When its toe is held and its heel is not: the foot may roll about the toe as the knee likes it.
+    pub rolls: Vec<bool>,
     /// How far it may stretch at each sample, metres.
     pub reaches: Vec<f64>,
     /// To which side its knee bends, and how far its hip.
@@ -281,6 +286,9 @@ impl Leg {
             if free[at] {
                 let limb = self.track.moved[at].shifted(shifts[at]).limb;
                 let span = limb.span_at((limb.bend() + changes[at]).max(0.0));
+                if self.is_rolling(at) {
+                    return Some(self.rolled(at, limb.upper, span));
+                }
                 let towards = (target.position - limb.upper).normalize_or_zero();
                 target.position = limb.upper + towards * span;
             }
@@ -299,18 +307,20 @@ impl Leg {
         for at in (0..times.len()).filter(|&at| !self.is_idle(at, shifts[at])) {
             let limb = self.track.moved[at].limb;
             let hip = limb.upper + shifts[at];
-            free[at] = !self.bound[at];
+            free[at] = !self.bound[at] || self.is_rolling(at);
             let distance = hip.distance(self.target(at).position);
             let spanned = limb.upper.distance(limb.lower);
             let length: f64 = limb.lengths().iter().sum();
-            let goal = if distance <= spanned || !free[at] {
+            let goal = if distance <= spanned || self.bound[at] {
                 distance
             } else {
                 softened(distance, length).max(spanned)
             };
             changes[at] = limb.bend_at(goal) - captured[at];
             let steep = (hip.y - self.target(at).position.y) / distance.max(f64::MIN_POSITIVE);
-            if steep > NEARLY_LEVEL {
+            if self.is_rolling(at) {
+                least[at] = limb.bend_at(goal + clearances[at].min(ROLLED)) - captured[at];
+            } else if steep > NEARLY_LEVEL {
                 least[at] = limb.bend_at(goal + clearances[at] / steep) - captured[at];
             }
         }

@@ -57,11 +57,13 @@ impl Leg {
 
     /// How far the foot may come down at each sample before it is below the ground it leaves or comes to, metres.
     pub fn clearances(&self) -> Vec<f64> {
+        let stands: Vec<bool> = (0..self.bound.len()).map(|at| self.bound[at] && !self.is_rolling(at)).collect();
         let clearance = |(at, floor): (usize, &Option<Floor>)| {
             let [ankle, toe] = self.heights(at);
-            floor.map_or(0.0, |floor| (ankle - floor[0]).min(toe - floor[1]).max(0.0))
+            let of_toe = |floor: f64| if self.is_rolling(at) { f64::INFINITY } else { toe - floor };
+            floor.map_or(0.0, |floor| (ankle - floor[0]).min(of_toe(floor[1])).max(0.0))
         };
-        self.floors(&self.bound).iter().enumerate().map(clearance).collect()
+        self.floors(&stands).iter().enumerate().map(clearance).collect()
     }
 
     /// How low ankle and toe may come at each sample, metres: `-∞` where the foot stands, and for hands. Cost: linear.
@@ -81,8 +83,7 @@ impl Leg {
         if foot.position.y < ankle - NOTHING {
             raised.position.y = ankle;
         }
-        let own = &self.track.moved[at];
-        let to_toe = foot.rotation * own.lower_rotation.inverse() * (own.end - own.limb.lower);
+        let to_toe = self.to_toe(at, foot);
         let height = toe - raised.position.y;
         if to_toe.y < height - NOTHING {
             let length = to_toe.length();

@@ -88,9 +88,11 @@ impl<'a> Foot<'a> {
 }
 
 /// Heel or toe.
-#[derive(Clone, Copy, Debug, PartialEq)]
-enum Sole {
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Sole {
+    /// Heel: the ankle.
     Heel,
+    /// Toe.
     Toe,
 }
 
@@ -104,7 +106,8 @@ impl Sole {
 }
 
 impl Foot<'_> {
-    fn points(&self, sole: Sole) -> &[DVec3] {
+    /// Where heel or toe is as captured.
+    pub fn points(&self, sole: Sole) -> &[DVec3] {
         match sole {
             Sole::Heel => &self.heels,
             Sole::Toe => &self.toes,
@@ -125,15 +128,19 @@ impl Foot<'_> {
         }
     }
 
-    /// Where `sole` is best held for all of `span`.
-    fn best(&self, sole: Sole, span: Span) -> DVec3 {
+    /// Where `sole` turns the joints least, held for all of `span`.
+    pub fn least_turn(&self, sole: Sole, span: Span) -> DVec3 {
         let costs = match sole {
             Sole::Heel => &self.heel_costs,
             Sole::Toe => &self.toe_costs,
         };
-        let points = self.points(sole);
-        let place = least_turn(costs, points, span);
-        let mut heights: Vec<f64> = points[span.first..=span.last].iter().map(|point| point.y).collect();
+        least_turn(costs, self.points(sole), span)
+    }
+
+    /// The same, nearly as high as captured.
+    fn best(&self, sole: Sole, span: Span) -> DVec3 {
+        let place = self.least_turn(sole, span);
+        let mut heights: Vec<f64> = self.points(sole)[span.first..=span.last].iter().map(|point| point.y).collect();
         let middle = heights.len() / 2;
         let (_, median, _) = heights.select_nth_unstable_by(middle, f64::total_cmp);
         place.with_y(place.y.clamp(*median - FLOATS, *median + FLOATS))

@@ -5,13 +5,14 @@
 //! angle is rounded off, as little as it takes; the foot then passes a little higher or lower.
 
 use crate::clip::contacts::runs;
+use crate::full_body::knee_program::{Bounds, nearest};
 use crate::full_body::smooth::{largest_acceleration, relax};
 
 /// A knee may be jerked this many times as hard as the capture does at most.
 const HARDEST: f64 = 1.35;
 
-/// Widths of the rounding that are tried, seconds, the least first; with the last one some knees may stay above
-/// [`HARDEST`].
+/// Widths of the rounding that are tried, seconds, the least first; where none will do, a quadratic program finds the nearest
+/// angles that do, or those that are above [`HARDEST`] by the least.
 const WIDTHS: [f64; 6] = [1.0 / 30.0, 1.5 / 30.0, 2.0 / 30.0, 2.5 / 30.0, 3.0 / 30.0, 4.0 / 30.0];
 
 /// Samples beside a swing that its rounding has to meet: a second difference reaches two.
@@ -22,7 +23,7 @@ const ROUNDS: usize = 4;
 
 /// Rounds off `changes` of a joint's angle, radians, while the leg is `free`, so that `captured + changes` accelerates
 /// hardly more than 1.35 times as hard as `captured` does; no change is below `least`, with which the foot touches
-/// the ground. Cost: linear.
+/// the ground. Cost: linear in samples times the longest swing.
 pub fn soften(times: &[f64], captured: &[f64], (free, least): (&[bool], &[f64]), changes: &mut [f64]) {
     let most = HARDEST * largest_acceleration(times, captured);
     for (first, last) in runs(free) {
@@ -37,14 +38,9 @@ pub fn soften(times: &[f64], captured: &[f64], (free, least): (&[bool], &[f64]),
         if swing.acceleration(&given) <= most {
             continue;
         }
-        for width in WIDTHS {
-            let rounded = swing.rounded(&given, width);
-            let is_soft = swing.acceleration(&rounded) <= most;
-            changes[range.clone()].copy_from_slice(&rounded);
-            if is_soft {
-                break;
-            }
-        }
+        let rounded = WIDTHS.iter().map(|width| swing.rounded(&given, *width));
+        let soft = rounded.into_iter().find(|rounded| swing.acceleration(rounded) <= most);
+        changes[range].copy_from_slice(&soft.unwrap_or_else(|| swing.nearest(&given, most)));
     }
 }
 
@@ -60,6 +56,23 @@ impl Swing<'_> {
     fn acceleration(&self, changes: &[f64]) -> f64 {
         let angles: Vec<f64> = changes.iter().zip(self.captured).map(|(a, b)| a + b).collect();
         largest_acceleration(self.times, &angles)
+    }
+
+    /// The changes nearest to `given` with which the joint accelerates by at most `most`, or beyond it by the least.
+    fn nearest(&self, given: &[f64], most: f64) -> Vec<f64> {
+        let angles = |changes: &[f64]| -> Vec<f64> {
+            changes.iter().zip(self.captured).map(|(change, captured)| change + captured).collect()
+        };
+        let bounds = Bounds { free: self.free, least: &angles(self.least), most };
+        match nearest(self.times, &angles(given), &bounds) {
+            Ok(found) => {
+                let change = |(at, angle): (usize, f64)| {
+                    if self.free[at] { angle - self.captured[at] } else { given[at] }
+                };
+                found.into_iter().enumerate().map(change).collect()
+            }
+            Err(_) => self.rounded(given, WIDTHS[WIDTHS.len() - 1]),
+        }
     }
 
     /// `given`, rounded off over `width` seconds; where that falls below the least, it is held there.

@@ -20,12 +20,15 @@ pub mod fade;
 pub mod plants;
 pub mod turning;
 pub mod holding;
+pub mod whole;
 pub mod pins;
 pub mod seams;
 pub mod reach;
+pub mod knee_program;
 pub mod knees;
 pub mod feet;
 pub mod ground;
+pub mod rolling;
 pub mod plan;
 pub mod effector;
 pub mod hierarchical;
@@ -47,7 +50,7 @@ use crate::full_body::displacement::Sample;
 pub use crate::full_body::effector::{Effector, Part, Target};
 use crate::full_body::feet::{FADE, Leg};
 use crate::full_body::hierarchical::{CLOSE, KNOTS, blended, bring, bring_beside, level, sample};
-use crate::full_body::plan::{Limb, Still, limbs, popped};
+use crate::full_body::plan::{Still, limbs, overstrained, popped};
 use crate::full_body::reach::{Demand, Demands, drops, within_reach};
 pub use crate::full_body::report::{BodyReport, JointChange, PlantedPoint, Shortfall, WholeContact};
 pub use crate::full_body::seams::{Cut, Seams};
@@ -77,16 +80,10 @@ pub enum PlantMode {
     /// As the capture has them, with its own small drift: an edit that changes nothing changes nothing.
     #[default]
     AsCaptured,
-    /// Perfectly still, at the points that turn the joints least, and as long as that turns none too far.
-    Pinned {
-        /// How far hip, knee and ankle of the captured leg may turn for it, radians; above 0.
-        largest_turn: f64,
-    },
-}
-
-impl PlantMode {
-    /// Pinned where no joint turns by 5° for it.
-    pub const PINNED: Self = Self::Pinned { largest_turn: plan::GENTLE_TURN };
+    /// Perfectly still, at the points that turn the joints least, and as long as that turns none by 5°.
+    Pinned,
+    /// Perfectly still from the first sample of each contact to its last, at the points that turn the joints least, however far.
+    Whole,
 }
 
 /// What [`refine`] makes of it.
@@ -103,7 +100,7 @@ pub struct Refined {
 /// Sweeps over the place of the body: hands may pull it where feet do not reach, and the other way round.
 const SWEEPS: usize = 3;
 
-/// Rounds in which feet held still are let go where the edit makes knees pop by it.
+/// Rounds in which feet held still are let go where the edit is too much for their legs.
 const RELEASES: usize = 3;
 
 /// Corrects the poses of one character. Cost: linear in moments.
@@ -119,30 +116,37 @@ pub fn refine(skeleton: &Skeleton, input: &BodyInput, mode: PlantMode) -> Refine
         PlantMode::AsCaptured => {
             posed(skeleton, input, limbs.iter().map(|limb| limb.leg(&input.times)).collect())
         }
-        PlantMode::Pinned { largest_turn } => pinned(skeleton, input, &limbs, largest_turn),
+        PlantMode::Pinned => {
+            let still = |limb| Still::gentle(skeleton, input, limb);
+            held((skeleton, input), limbs.iter().map(still).collect(), popped)
+        }
+        PlantMode::Whole => {
+            let still = |limb| Still::whole(input, limb);
+            held((skeleton, input), limbs.iter().map(still).collect(), overstrained)
+        }
     };
     let planted = feet::planted(&legs, &input.contacts);
     let report = report::report(skeleton, input, (&legs, &planted), &poses);
     Refined { poses, planted, report }
 }
 
-/// With feet held still, but for those by which the edit would make knees pop.
-fn pinned(
-    skeleton: &Skeleton,
-    input: &BodyInput,
-    limbs: &[Limb],
-    largest_turn: f64,
+/// Where what the feet do in poses is too much, for each leg.
+type Refused = fn(&Skeleton, &[f64], &[Leg], &[Pose]) -> Vec<Vec<bool>>;
+
+/// With `feet` held still, but about where that is refused.
+fn held(
+    (skeleton, input): (&Skeleton, &BodyInput),
+    mut feet: Vec<Still>,
+    refused: Refused,
 ) -> (Vec<Leg>, Vec<Pose>) {
-    let still = |limb| Still::new(skeleton, input, limb, largest_turn);
-    let mut feet: Vec<Still> = limbs.iter().map(still).collect();
     let posed =
         |feet: &[Still]| posed(skeleton, input, feet.iter().map(|foot| foot.leg(&input.times)).collect());
     let (mut legs, mut poses) = posed(&feet);
     for _ in 0..RELEASES {
-        let popped = popped(skeleton, &input.times, &legs, &poses);
+        let refused = refused(skeleton, &input.times, &legs, &poses);
         let mut any = false;
-        for (foot, popped) in feet.iter_mut().zip(popped) {
-            any |= foot.release(skeleton, input, &popped);
+        for (foot, refused) in feet.iter_mut().zip(refused) {
+            any |= foot.release(skeleton, input, &refused);
         }
         if !any {
             break;

@@ -11,6 +11,7 @@ use crate::full_body::fade::{Slopes, Span, fill};
 use crate::full_body::holding::{BLEND, Foot, Held, held};
 use crate::full_body::plants::{Displacement, LegTrack};
 use crate::full_body::turning::largest_turn;
+use crate::full_body::whole::{raise, whole};
 
 /// A strained leg is held otherwise within this time, seconds.
 const NEARBY: f64 = 10.0 / 30.0;
@@ -30,47 +31,39 @@ pub struct Pins {
 pub struct Standing<'a> {
     times: &'a [f64],
     foot: Foot<'a>,
-    /// When heel or toe bears.
-    bears: Vec<bool>,
     held: Held,
+    /// Whether contacts are held all along.
+    is_whole: bool,
 }
 
 impl<'a> Standing<'a> {
-    /// Finds what can be held while no joint turns farther than `largest_turn`, radians. Cost: linear in samples times the
+    /// What can be held while no joint turns farther than `largest_turn`, radians. Cost: linear in samples times the
     /// places that a foot stands on within one contact.
-    pub fn new(times: &'a [f64], leg: &'a LegTrack, largest_turn: f64) -> Self {
+    pub fn gentle(times: &'a [f64], leg: &'a LegTrack, largest_turn: f64) -> Self {
         let foot = Foot::new(leg, largest_turn);
         let held = held(times, &foot, leg);
-        Self { times, foot, bears: leg.bears(), held }
+        Self { times, foot, held, is_whole: false }
+    }
+
+    /// All contacts from their first sample to their last, however far joints turn. Cost: linear.
+    pub fn whole(times: &'a [f64], leg: &'a LegTrack) -> Self {
+        let foot = Foot::new(leg, f64::INFINITY);
+        let held = whole(&foot, leg);
+        Self { times, foot, held, is_whole: true }
     }
 
     /// What that asks of the captured foot. `fade`: seconds in which corrections vanish outside.
     pub fn pins(&self, fade: f64) -> Pins {
         let is_held = |places: &[Option<DVec3>]| places.iter().map(Option::is_some).collect();
+        let slopes = if self.is_whole { Slopes::Kept } else { Slopes::Level };
+        let mut corrections = corrections(self.times, &self.foot, &self.held, (fade, slopes));
+        if self.is_whole {
+            raise(&self.foot, &self.held, &mut corrections);
+        }
         Pins {
-            corrections: corrections(self.times, &self.foot, &self.held, fade),
+            corrections,
             heel: is_held(&self.held.heel),
             toe: is_held(&self.held.toe),
-        }
-    }
-
-    /// How many points are held, summed over samples.
-    pub fn count(&self) -> usize {
-        let points = self.held.heel.iter().chain(&self.held.toe);
-        points.filter(|place| place.is_some()).count()
-    }
-
-    /// Takes over each step of which `other`, the same foot, holds more.
-    pub fn prefer(&mut self, other: &Self) {
-        for (first, last) in runs(&self.bears) {
-            let count = |held: &Held| {
-                let points = held.heel[first..=last].iter().chain(&held.toe[first..=last]);
-                points.filter(|place| place.is_some()).count()
-            };
-            if count(&other.held) > count(&self.held) {
-                self.held.heel[first..=last].copy_from_slice(&other.held.heel[first..=last]);
-                self.held.toe[first..=last].copy_from_slice(&other.held.toe[first..=last]);
-            }
         }
     }
 
@@ -95,10 +88,10 @@ impl<'a> Standing<'a> {
     }
 }
 
-/// What moves the captured foot so that its held points are where they are held.
-fn corrections(times: &[f64], foot: &Foot, held: &Held, fade: f64) -> Vec<Displacement> {
+/// What moves the captured foot so that its held points are where they are held, with `slopes` in `fade` seconds from one to the next.
+fn corrections(times: &[f64], foot: &Foot, held: &Held, (fade, slopes): (f64, Slopes)) -> Vec<Displacement> {
     let any = held.any();
-    let turns = turns(times, foot, held, &any);
+    let turns = turns(times, foot, (held, &any), slopes);
     let mut shifts = vec![[DVec3::ZERO]; times.len()];
     for (at, shift) in shifts.iter_mut().enumerate() {
         *shift = [match (held.heel[at], held.toe[at]) {
@@ -107,7 +100,7 @@ fn corrections(times: &[f64], foot: &Foot, held: &Held, fade: f64) -> Vec<Displa
             (None, None) => DVec3::ZERO,
         }];
     }
-    fill(times, &spans(&any), (fade, Slopes::Level), &mut shifts);
+    fill(times, &spans(&any), (fade, slopes), &mut shifts);
     let mut corrections: Vec<Displacement> =
         shifts.iter().zip(&turns).map(|(shift, turn)| [shift[0], turn[0]]).collect();
     for at in (0..times.len()).filter(|&at| !any[at]) {
@@ -118,7 +111,7 @@ fn corrections(times: &[f64], foot: &Foot, held: &Held, fade: f64) -> Vec<Displa
 
 /// By what the foot turns: where both points are held as these ask for, where one is as the joints like best, and without a
 /// jump from one to the other.
-fn turns(times: &[f64], foot: &Foot, held: &Held, any: &[bool]) -> Vec<[DVec3; 1]> {
+fn turns(times: &[f64], foot: &Foot, (held, any): (&Held, &[bool]), slopes: Slopes) -> Vec<[DVec3; 1]> {
     let best = |at: usize| match (held.heel[at], held.toe[at]) {
         (_, Some(toe)) => foot.to_toe(at, toe)[1],
         (Some(heel), None) => foot.to_heel(at, heel)[1],
@@ -133,10 +126,10 @@ fn turns(times: &[f64], foot: &Foot, held: &Held, any: &[bool]) -> Vec<[DVec3; 1
             *beyond = [foot.to_both(at, heel, toe)[1] - best[at]];
         }
     }
-    fill(times, &spans(&both), (BLEND, Slopes::Level), &mut beyond);
+    fill(times, &spans(&both), (BLEND, slopes), &mut beyond);
     let mut turns: Vec<[DVec3; 1]> =
         best.iter().zip(&beyond).map(|(best, beyond)| [*best + beyond[0]]).collect();
-    fill(times, &spans(any), (BLEND, Slopes::Level), &mut turns);
+    fill(times, &spans(any), (BLEND, slopes), &mut turns);
     turns
 }
 

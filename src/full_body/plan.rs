@@ -6,7 +6,7 @@ use crate::clip::working::WORKING_STEP;
 use crate::full_body::BodyInput;
 use crate::full_body::aim::{Mobility, solve};
 use crate::full_body::chain::{Chain, EndPose, Place, bearing_arms, legs};
-use crate::full_body::feet::{FADE, Leg, STRETCH, from_to};
+use crate::full_body::feet::{FADE, Leg, STRETCH, TOLERATED, from_to};
 use crate::full_body::pins::{Pins, Standing};
 use crate::full_body::plants::{Displacement, FEET, HANDS, LegTrack, Soles, bearing, plants};
 use crate::full_body::reach::{Demand, drops};
@@ -16,8 +16,8 @@ use crate::geometry::log;
 use crate::index::JointId;
 use crate::skeleton::{Pose, Skeleton};
 
-/// Turns of which no less is tried, radians: just below 5°.
-pub const GENTLE_TURN: f64 = 0.084;
+/// Feet that are held gently turn no joint farther than this, radians: just below 5°.
+const GENTLE_TURN: f64 = 0.084;
 
 /// Rounds in which what cannot be held still is let go.
 const RELEASES: usize = 30;
@@ -36,6 +36,9 @@ const NO_DROP: f64 = 1e-4;
 
 /// Edited, knees may be jerked so many times as hard as captured before the feet by which they are let go.
 const POPS: f64 = 1.4;
+
+/// The same where all of a contact is to be held.
+const WHOLE_POPS: f64 = 1.5;
 
 /// A limb that bears, and where it is.
 pub struct Limb {
@@ -80,6 +83,7 @@ fn planned(times: &[f64], limb: &Limb, track: LegTrack) -> Leg {
         aimed: vec![false; track.rest.len()],
         bound: track.bears(),
         planted: [track.heel.clone(), track.toe.clone()],
+        rolls: vec![false; track.rest.len()],
         reaches: reaches(&track, None),
         mobility: limb.mobility,
         track,
@@ -93,15 +97,28 @@ fn hold(leg: &mut Leg, pins: Pins) {
     leg.corrections = Some(pins.corrections);
 }
 
+/// Holds all contacts of `leg`, which stood as captured. The leg stretches no farther for it: the body comes down instead; held by its
+/// toe alone the foot may roll about it.
+fn hold_whole(leg: &mut Leg, pins: Pins) {
+    leg.rolls = pins.heel.iter().zip(&pins.toe).map(|(heel, toe)| *toe && !*heel).collect();
+    leg.planted = [pins.heel, pins.toe];
+    leg.corrections = Some(pins.corrections);
+}
+
 /// A foot held still.
 pub struct Still<'a> {
     limb: &'a Limb,
     standing: Standing<'a>,
-    /// What becomes of the leg where nothing is edited, its displacements as captured, and what was found of it.
+    /// What tells what of a contact can be held; none where all of it is.
+    trial: Option<Trial>,
+}
+
+/// A captured leg that is not edited, on which is tried what holding its foot still does.
+struct Trial {
+    /// What becomes of the leg, its displacements as captured, and what was found of it.
     unedited: Leg,
     as_captured: Vec<Displacement>,
     tried: Vec<Tried>,
-    largest_turn: f64,
 }
 
 /// One sample of a captured leg with its foot held still.
@@ -113,45 +130,31 @@ struct Tried {
 }
 
 impl<'a> Still<'a> {
-    /// What of it can be held while no joint turns farther than `largest_turn`, radians. Who may turn far jerks knees by it and
-    /// may hold less: it is tried with half of that, too, and so on down to [`GENTLE_TURN`], and each step is held as long as any
-    /// of them can. Cost: linear in samples times the places that a foot stands on within one contact, for each try.
-    pub fn new(skeleton: &Skeleton, input: &'a BodyInput, limb: &'a Limb, largest_turn: f64) -> Self {
-        let mut tries = vec![Self::within(skeleton, input, limb, largest_turn)];
-        let mut turn = largest_turn;
-        while turn > GENTLE_TURN {
-            turn = (0.5 * turn).max(GENTLE_TURN);
-            tries.push(Self::within(skeleton, input, limb, turn));
-        }
-        if tries.len() > 1 {
-            let mut joined = Self::within(skeleton, input, limb, largest_turn);
-            for gentler in &tries[1..] {
-                joined.standing.prefer(&gentler.standing);
-            }
-            joined.settle(skeleton, input);
-            tries.push(joined);
-        }
-        let most_held = tries.into_iter().max_by_key(|still| still.standing.count());
-        most_held.expect("tried at least once")
-    }
-
-    fn within(skeleton: &Skeleton, input: &'a BodyInput, limb: &'a Limb, largest_turn: f64) -> Self {
+    /// What of it can be held while no joint turns by 5°. Cost: linear in samples times the places that a foot stands on within one
+    /// contact.
+    pub fn gentle(skeleton: &Skeleton, input: &'a BodyInput, limb: &'a Limb) -> Self {
         let moved = places(skeleton, &limb.chain, &input.rest);
         let track = LegTrack { moved, ..limb.track.clone() };
         let unedited = planned(&input.times, limb, track);
         let as_captured = unedited.displacements.clone();
         let untried = |place: &Place| Tried { goal: None, place: *place, turns_too_far: false };
         let tried = unedited.track.moved.iter().map(untried).collect();
-        let standing = Standing::new(&input.times, &limb.track, largest_turn);
-        let mut still = Self { limb, standing, unedited, as_captured, tried, largest_turn };
+        let standing = Standing::gentle(&input.times, &limb.track, GENTLE_TURN);
+        let mut still = Self { limb, standing, trial: Some(Trial { unedited, as_captured, tried }) };
         still.settle(skeleton, input);
         still
+    }
+
+    /// All of its contacts, from the first sample to the last. Cost: linear.
+    pub fn whole(input: &'a BodyInput, limb: &'a Limb) -> Self {
+        Self { limb, standing: Standing::whole(&input.times, &limb.track), trial: None }
     }
 
     /// The edited leg.
     pub fn leg(&self, times: &[f64]) -> Leg {
         let mut leg = self.limb.leg(times);
-        hold(&mut leg, self.standing.pins(FADE));
+        let pins = self.standing.pins(FADE);
+        if self.trial.is_some() { hold(&mut leg, pins) } else { hold_whole(&mut leg, pins) }
         leg
     }
 
@@ -167,17 +170,19 @@ impl<'a> Still<'a> {
     /// Keeps what does nothing bad to the captured leg where nothing is edited: where a joint would turn too far or the body had
     /// to come down, the nearest held samples are let go.
     fn settle(&mut self, skeleton: &Skeleton, input: &BodyInput) {
+        let Some(trial) = &mut self.trial else { return };
         for _ in 0..RELEASES {
-            self.unedited.displacements.clone_from(&self.as_captured);
-            hold(&mut self.unedited, self.standing.pins(FADE));
-            self.unedited.fill(&input.times);
-            let strained = self.strained(skeleton, &input.times, &input.rest);
-            if !self.standing.release(&strained) {
+            trial.unedited.displacements.clone_from(&trial.as_captured);
+            hold(&mut trial.unedited, self.standing.pins(FADE));
+            trial.unedited.fill(&input.times);
+            if !self.standing.release(&trial.strained(skeleton, &input.times, &input.rest)) {
                 break;
             }
         }
     }
+}
 
+impl Trial {
     /// Where a joint of the captured leg turns too far, its knee is jerked harder than captured, its foot
     /// sinks, or the body had to come down. Cost: linear; poses are solved only where they are others than before.
     fn strained(&mut self, skeleton: &Skeleton, times: &[f64], rest: &[Pose]) -> Vec<bool> {
@@ -185,13 +190,14 @@ impl<'a> Still<'a> {
         let still = vec![DVec3::ZERO; times.len()];
         for ((tried, goal), rest) in self.tried.iter_mut().zip(leg.goals(times, &still)).zip(rest) {
             if tried.goal != goal {
-                *tried = retried(skeleton, leg, rest, goal, self.largest_turn);
+                *tried = retried(skeleton, leg, rest, goal, GENTLE_TURN);
             }
         }
         let demands: Vec<Demand> = (0..times.len()).map(|at| leg.demand(at)).collect();
         let drops = drops(times, &[demands], &still, FADE);
         let sinks = sinks(&leg.track.rest, &self.tried);
-        let jerked = jerked(times, &leg.track.rest, self.tried.iter().map(|tried| tried.place), HARDEST);
+        let most = HARDEST * hardest(times, &leg.track.rest);
+        let jerked = jerked(times, self.tried.iter().map(|tried| tried.place), most);
         let strained = self.tried.iter().zip(drops).zip(sinks.into_iter().zip(jerked));
         strained
             .map(|((tried, drop), (sinks, jerked))| tried.turns_too_far || drop > NO_DROP || sinks || jerked)
@@ -221,21 +227,36 @@ fn sinks(rest: &[Place], tried: &[Tried]) -> Vec<bool> {
     tried.iter().map(|tried| height(&tried.place) < lowest - SUNK).collect()
 }
 
-/// Where the knee (or the elbow) is jerked more than `most` times as hard as captured, and not gently.
-fn jerked(times: &[f64], rest: &[Place], places: impl Iterator<Item = Place>, most: f64) -> Vec<bool> {
-    let captured: Vec<f64> = rest.iter().map(|place| place.limb.bend()).collect();
+/// Where the knee (or the elbow) is jerked harder than `most`, radians/s², and not gently.
+fn jerked(times: &[f64], places: impl Iterator<Item = Place>, most: f64) -> Vec<bool> {
     let bends: Vec<f64> = places.map(|place| place.limb.bend()).collect();
-    let hardest = accelerations_over(times, &captured, WORKING_STEP).into_iter().fold(0.0, f64::max);
-    let most = (most * hardest).max(GENTLE);
     let bends = accelerations_over(times, &bends, WORKING_STEP);
-    bends.into_iter().map(|acceleration| acceleration > most).collect()
+    bends.into_iter().map(|acceleration| acceleration > most.max(GENTLE)).collect()
+}
+
+/// How hard the knee is jerked as captured, radians/s².
+fn hardest(times: &[f64], rest: &[Place]) -> f64 {
+    let captured: Vec<f64> = rest.iter().map(|place| place.limb.bend()).collect();
+    accelerations_over(times, &captured, WORKING_STEP).into_iter().fold(0.0, f64::max)
 }
 
 /// Where the knee of each leg is jerked much harder than captured in `poses`.
 pub fn popped(skeleton: &Skeleton, times: &[f64], legs: &[Leg], poses: &[Pose]) -> Vec<Vec<bool>> {
     let of_leg = |leg: &Leg| {
         let places = poses.iter().map(|pose| leg.chain.place(skeleton, pose));
-        jerked(times, &leg.track.rest, places, POPS)
+        jerked(times, places, POPS * hardest(times, &leg.track.rest))
+    };
+    legs.iter().map(of_leg).collect()
+}
+
+/// Where a foot held all along jerks its knee half as hard again as the capture does any, or does not reach where it is held.
+pub fn overstrained(skeleton: &Skeleton, times: &[f64], legs: &[Leg], poses: &[Pose]) -> Vec<Vec<bool>> {
+    let most = legs.iter().map(|leg| hardest(times, &leg.track.rest)).fold(0.0, f64::max);
+    let of_leg = |leg: &Leg| {
+        let places: Vec<Place> = poses.iter().map(|pose| leg.chain.place(skeleton, pose)).collect();
+        let misses = |at: usize| leg.stands(at) && leg.miss(at, &places[at]) > TOLERATED;
+        let jerked = jerked(times, places.iter().copied(), WHOLE_POPS * most);
+        jerked.into_iter().enumerate().map(|(at, jerked)| jerked || misses(at)).collect()
     };
     legs.iter().map(of_leg).collect()
 }

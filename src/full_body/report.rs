@@ -114,8 +114,7 @@ fn shortfalls(skeleton: &Skeleton, input: &BodyInput, legs: &[Leg], poses: &[Pos
     for leg in legs {
         let joint = leg.chain.lower;
         let missing = |at: usize| {
-            let place = leg.chain.place(skeleton, &poses[at]).limb.lower;
-            if leg.bound[at] { place.distance(leg.target(at).position) } else { 0.0 }
+            if leg.bound[at] { leg.miss(at, &leg.chain.place(skeleton, &poses[at])) } else { 0.0 }
         };
         push_worst(&mut found, joint, 0, (0..poses.len()).map(missing).collect());
     }

@@ -171,7 +171,7 @@ pub fn accelerations_over(times: &[f64], values: &[f64], step: f64) -> Vec<f64> 
 const ROUNDING: f64 = 1e-9;
 
 /// Samples nearer than this in time count as so far apart, seconds: a constrained moment beside an output frame.
-const SHORTEST_STEP: f64 = 1e-3;
+pub const SHORTEST_STEP: f64 = 1e-3;
 
 #[cfg(test)]
 mod tests {

@@ -269,7 +269,7 @@ fn a_body_without_legs_and_arms_comes_out_as_it_went_in() {
         poses.iter().map(|pose| Pose { rotations: pose.rotations[..1].to_vec(), ..pose.clone() }).collect()
     };
     let input = BodyInput { rest: cut(&input.rest), moved: cut(&input.moved), ..input };
-    assert_eq!(refine(&trunk, &input, PlantMode::PINNED).poses, input.moved);
+    assert_eq!(refine(&trunk, &input, PlantMode::Pinned).poses, input.moved);
 }
 
 #[test]
@@ -336,7 +336,7 @@ proptest! {
             let target = Target { position: DVec3::from_array(place), rotation: Some(yaw(place[0])) };
             input.effectors.push(Effector { joint: JointId(joint), first, targets: vec![target; 7], holds: false });
         }
-        let mode = if pinned { PlantMode::PINNED } else { PlantMode::AsCaptured };
+        let mode = if pinned { PlantMode::Pinned } else { PlantMode::AsCaptured };
         let refined = refine(&skeleton, &input, mode);
         for (before, after) in input.moved.iter().zip(&refined.poses) {
             prop_assert!(after.root.is_finite());

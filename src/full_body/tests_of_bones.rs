@@ -90,7 +90,7 @@ fn a_knee_takes_its_foot_along_and_the_foot_comes_back_to_where_it_stood() {
     /// From one sample to the next: 60° in a third of a second and back, fastest in the middle.
     const GENTLE: f64 = 12.0 * std::f64::consts::PI / 180.0;
     for (mode, more) in
-        [(PlantMode::AsCaptured, 0.0), (PlantMode::PINNED, 0.0), (PlantMode::AsCaptured, 0.02)]
+        [(PlantMode::AsCaptured, 0.0), (PlantMode::Pinned, 0.0), (PlantMode::AsCaptured, 0.02)]
     {
         let (skeleton, mut input) = standing();
         let end = swung((&skeleton, &input), KNEE, (40, 8), (DVec3::new(0.1, -0.6, 0.8), more));

@@ -61,7 +61,7 @@ pub fn check(
         physics: checked.physics,
         captured: BTreeMap::new(),
         warp: warp(&raw.warp, report),
-        full_body: full_body(&raw.full_body, report),
+        full_body: full_body(&raw.full_body),
     }
 }
 
@@ -95,29 +95,22 @@ fn warp(field: &Field<raw::Warp>, report: &mut Report) -> Warp {
     Warp { min_step, max_step }
 }
 
-fn full_body(stage: &Field<things::FullBody>, report: &mut Report) -> FullBody {
+fn full_body(stage: &Field<things::FullBody>) -> FullBody {
     let default = FullBody::default();
     let Some(stage) = stage.value() else {
         return default;
     };
     FullBody {
         enabled: stage.enabled.value().copied().unwrap_or(default.enabled),
-        plants: plants(stage, report),
+        plants: stage.plants.value().map_or(default.plants, plants),
     }
 }
 
-fn plants(stage: &things::FullBody, report: &mut Report) -> Plants {
-    let largest_turn = within(&stage.pinned_turn, 180.0, "degrees that a joint turns by", report);
-    match (stage.plants.value(), stage.pinned_turn.given()) {
-        (Some(values::Plants::Pinned), _) => {
-            Plants::Pinned { largest_turn: largest_turn.map(f64::to_radians) }
-        }
-        (Some(values::Plants::AsCaptured) | None, Some(turn)) => {
-            let help = "write plants = \"pinned\" beside it, or remove it";
-            report.warn(&turn.place, "pinned_turn is for feet that stand still only", help);
-            Plants::AsCaptured
-        }
-        (Some(values::Plants::AsCaptured) | None, None) => Plants::AsCaptured,
+const fn plants(given: &values::Plants) -> Plants {
+    match given {
+        values::Plants::AsCaptured => Plants::AsCaptured,
+        values::Plants::Pinned => Plants::Pinned,
+        values::Plants::Whole => Plants::Whole,
     }
 }
 

@@ -142,11 +142,10 @@ pub enum Plants {
     /// With the small drift that their capture has: an edit that changes nothing changes nothing.
     #[default]
     AsCaptured,
-    /// Without any drift.
-    Pinned {
-        /// How far joints of a captured leg may turn for it, radians, above 0 and at most π; just below 5° if left out.
-        largest_turn: Option<f64>,
-    },
+    /// Without any drift, as long as no joint of a captured leg turns by 5° for it.
+    Pinned,
+    /// Without any drift from the first frame of each contact to its last.
+    Whole,
 }
 
 impl Scene {

@@ -117,11 +117,9 @@ table! {
         optional {
             /// Whether the stage runs (true if left out).
             enabled: bool,
-            /// Whether planted feet keep the small drift of their capture ("as-captured", if left out) or stand still.
+            /// Whether planted feet keep the small drift of their capture ("as-captured", if left out), stand still as long as no
+            /// joint turns by 5° for it ("pinned"), or stand still all along ("whole").
             plants: Plants,
-            /// How far joints of a captured leg may turn for a foot to stand still, degrees (4.8 if left out); only where they
-            /// are pinned.
-            pinned_turn: f64,
         }
     }
 }

@@ -238,8 +238,10 @@ words! {
     Plants {
         /// With the small drift of their capture.
         AsCaptured = "as-captured",
-        /// Without any drift.
+        /// Without any drift, as long as no joint turns far for it.
         Pinned = "pinned",
+        /// Without any drift from the first frame of each contact to its last.
+        Whole = "whole",
     }
 }
 

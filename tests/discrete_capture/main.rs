@@ -201,7 +201,7 @@ fn stretched(folder: &Path, name: &str, tolerance: f64) -> Result<(), Failed> {
     let slide = foot_slide_working(clip(&scene)).ok_or("a walk has contacts")?;
     let shown = shown_slide(&pulled.outcome.scene.characters[0].track);
     let mut pinned = pulled.outcome.clone();
-    pinned.scene.full_body.plants = Plants::Pinned { largest_turn: None };
+    pinned.scene.full_body.plants = Plants::Pinned;
     let pinned = feet(&pinned)?;
     let told = || format!("own {own:?} ({slide}), found {found:?} of {shown}, {pinned:?}, bent {bent:?}");
     check((found.stride / own.stride - 1.0).abs() <= tolerance, told)?;

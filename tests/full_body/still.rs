@@ -9,7 +9,7 @@ use libtest_mimic::Failed;
 
 use crate::clips::{Walk, load};
 use crate::measure::largest_change;
-use crate::{FARTHER, OWN_RATE, PINNED_CHANGE, refined, tell};
+use crate::{OWN_RATE, PINNED_CHANGE, refined, tell};
 
 pub(crate) fn hardly_changes(folder: &Path, file: &str) -> Result<(), Failed> {
     holds_still(&load(folder, file)?, file)
@@ -21,7 +21,7 @@ pub(crate) fn hardly_changes_at_own_rate(folder: &Path, file: &str) -> Result<()
 
 fn holds_still(walk: &Walk, file: &str) -> Result<(), Failed> {
     let stretch = walk.stretch((0, walk.poses.len() - 1));
-    let result = refined(&stretch, stretch.rest, PlantMode::PINNED);
+    let result = refined(&stretch, stretch.rest, PlantMode::Pinned);
     let change = largest_change(stretch.rest, &result.poses);
     let reported = result.report.largest_change.map_or(0.0, |change| change.angle);
     let share = held_points(&result.planted) as f64 / held_points(stretch.contacts) as f64;
@@ -51,34 +51,11 @@ fn holds_still(walk: &Walk, file: &str) -> Result<(), Failed> {
     Err(format!("{:.2}°, reported {:.2}°", change.to_degrees(), reported.to_degrees()).into())
 }
 
-/// Legs that may turn by 10° instead of just below 5° hold at least as much, and turn no farther.
-pub(crate) fn holds_more_where_legs_turn_farther(folder: &Path, file: &str) -> Result<(), Failed> {
-    let walk = load(folder, file)?;
-    let stretch = walk.stretch((0, walk.poses.len() - 1));
-    let held = |mode: PlantMode| {
-        let result = refined(&stretch, stretch.rest, mode);
-        let change = largest_change(stretch.rest, &result.poses).to_degrees();
-        (held_points(&result.planted) as f64 / held_points(stretch.contacts) as f64, change)
-    };
-    let (little, _) = held(PlantMode::PINNED);
-    let (more, change) = held(FARTHER);
-    tell(&format!(
-        "{file} pinned by up to 10 degrees: {change:.2} degrees, {more:.2} of the contacts held, {little:.2} by 4.8"
-    ));
-    if more >= little && change < 10.0 + ROUNDING {
-        return Ok(());
-    }
-    Err(format!("{more} of the contacts held instead of {little}, by {change} degrees").into())
-}
-
 /// Heels and toes that bear, summed over frames.
 fn held_points(contacts: &[Contacts]) -> usize {
     let bears = |contact: &Contacts| ContactPoint::FEET.iter().filter(|point| contact.at(**point)).count();
     contacts.iter().map(bears).sum()
 }
-
-/// Of angles in degrees.
-const ROUNDING: f64 = 1e-6;
 
 /// Frames of either foot at which its heel or its toe bears.
 pub(crate) fn bearing_frames(contacts: &[Contacts]) -> usize {

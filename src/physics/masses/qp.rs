@@ -1,14 +1,19 @@
-//! The quadratic programs of masses. The only file that names Clarabel.
+//! The quadratic programs of masses.
 
-use clarabel::algebra::CscMatrix;
-use clarabel::solver::{
-    DefaultSettings, DefaultSettingsBuilder, DefaultSettingsBuilderError, DefaultSolver, IPSolver,
-    NonnegativeConeT, SolverStatus, ZeroConeT,
-};
 use glam::DVec2;
 
 use super::{MassError, MassProblem};
 use crate::physics::GRAVITY;
+use crate::quadratic::{Program, Unsolved};
+
+/// Objectives are squares of millimetres: the solver's own tolerance of the gap would be as large as they are.
+const TIGHT: f64 = 1e-13;
+
+impl From<Unsolved> for MassError {
+    fn from(Unsolved { status }: Unsolved) -> Self {
+        Self::Unsolved { status }
+    }
+}
 
 /// Factors of the groups' masses, and one slack a frame: see [`MassProblem::solve`].
 pub(super) fn solve(problem: &MassProblem, pull: f64, least: f64) -> Result<Vec<f64>, MassError> {
@@ -18,7 +23,7 @@ pub(super) fn solve(problem: &MassProblem, pull: f64, least: f64) -> Result<Vec<
     for (group, count) in problem.counts.iter().enumerate() {
         program.add_square(group, pull * count, 1.0);
     }
-    program.add_equality(&problem.masses, weight / GRAVITY);
+    add_total(&mut program, &problem.masses);
     for group in 0..groups {
         program.add_upper(&[(group, -1.0)], -least);
     }
@@ -34,7 +39,7 @@ pub(super) fn solve(problem: &MassProblem, pull: f64, least: f64) -> Result<Vec<
             program.add_upper(&row, 0.0);
         }
     }
-    let mut solution = program.solve()?;
+    let mut solution = program.solve(TIGHT)?;
     solution.truncate(groups);
     Ok(solution)
 }
@@ -46,14 +51,22 @@ pub(super) fn solve_dense(gram: &[Vec<f64>], weights: &[f64], masses: &[f64]) ->
     let mut program = Program::new(masses.len());
     for (row, products) in gram.iter().enumerate() {
         for (column, product) in products.iter().enumerate().skip(row) {
-            program.quadratic.push((row, column, 2.0 * product));
+            program.add_product(row, column, *product);
         }
         program.add_square(row, weights[row], 1.0);
         program.add_upper(&[(row, -1.0)], 0.0);
     }
-    program.add_equality(masses, masses.iter().sum());
+    add_total(&mut program, masses);
     // Bounds hold to the solver's tolerance.
-    Ok(program.solve()?.into_iter().map(|factor| factor.max(0.0)).collect())
+    Ok(program.solve(TIGHT)?.into_iter().map(|factor| factor.max(0.0)).collect())
+}
+
+/// The factors of `masses` keep their sum.
+fn add_total(program: &mut Program, masses: &[f64]) {
+    // Of order 1 as the other rows are.
+    let total: f64 = masses.iter().sum();
+    let row: Vec<(usize, f64)> = masses.iter().map(|mass| mass / total).enumerate().collect();
+    program.add_equality(&row, 1.0);
 }
 
 /// Outward unit normals and offsets of the half-planes whose intersection a polygon is: two pairs of opposite ones for a point or a
@@ -75,80 +88,4 @@ fn half_planes(corners: &[DVec2]) -> Vec<(DVec2, f64)> {
             corners.iter().zip(next).map(edge).collect()
         }
     }
-}
-
-/// `min ½xᵀPx + qᵀx` with one equality and any number of upper bounds on rows.
-struct Program {
-    /// Entries of P's upper triangle; those at one place add up.
-    quadratic: Vec<(usize, usize, f64)>,
-    linear: Vec<f64>,
-    equality: (Vec<(usize, f64)>, f64),
-    uppers: Vec<(Vec<(usize, f64)>, f64)>,
-}
-
-impl Program {
-    fn new(unknowns: usize) -> Self {
-        Self {
-            quadratic: Vec::new(),
-            linear: vec![0.0; unknowns],
-            equality: (Vec::new(), 0.0),
-            uppers: Vec::new(),
-        }
-    }
-
-    /// Adds `weight (x − center)²`.
-    fn add_square(&mut self, unknown: usize, weight: f64, center: f64) {
-        self.quadratic.push((unknown, unknown, 2.0 * weight));
-        self.linear[unknown] -= 2.0 * weight * center;
-    }
-
-    fn add_equality(&mut self, coefficients: &[f64], value: f64) {
-        // Of order 1 as the other rows are.
-        let row = coefficients.iter().map(|coefficient| coefficient / value).enumerate();
-        self.equality = (row.collect(), 1.0);
-    }
-
-    fn add_upper(&mut self, row: &[(usize, f64)], bound: f64) {
-        self.uppers.push((row.to_vec(), bound));
-    }
-
-    fn solve(self) -> Result<Vec<f64>, MassError> {
-        let unknowns = self.linear.len();
-        let (mut rows, mut columns, mut values) = (Vec::new(), Vec::new(), Vec::new());
-        let (mut bounds, mut count) = (Vec::new(), 0);
-        for (row, bound) in std::iter::once(&self.equality).chain(&self.uppers) {
-            for (column, value) in row {
-                rows.push(count);
-                columns.push(*column);
-                values.push(*value);
-            }
-            bounds.push(*bound);
-            count += 1;
-        }
-        let constraints = CscMatrix::new_from_triplets(count, unknowns, rows, columns, values);
-        let [rows, columns] = [|entry: &(usize, usize, f64)| entry.0, |entry: &(usize, usize, f64)| entry.1]
-            .map(|part| self.quadratic.iter().map(part).collect());
-        let values = self.quadratic.iter().map(|entry| entry.2).collect();
-        let quadratic = CscMatrix::new_from_triplets(unknowns, unknowns, rows, columns, values);
-        let cones = [ZeroConeT(1), NonnegativeConeT(count - 1)];
-        let unsolved = |status: String| MassError::Unsolved { status };
-        let settings = settings().map_err(|error| unsolved(error.to_string()))?;
-        let mut solver =
-            DefaultSolver::new(&quadratic, &self.linear, &constraints, &bounds, &cones, settings)
-                .map_err(|error| unsolved(error.to_string()))?;
-        solver.solve();
-        let solution = solver.solution;
-        // Nearly solved is to 1e-4 or better, far below what is asked of masses.
-        let is_solved = matches!(solution.status, SolverStatus::Solved | SolverStatus::AlmostSolved);
-        if is_solved && solution.x.iter().all(|x| x.is_finite()) {
-            return Ok(solution.x);
-        }
-        Err(unsolved(format!("{:?}", solution.status)))
-    }
-}
-
-/// Objectives are squares of millimetres: the solver's own tolerances would be as large as they are.
-fn settings() -> Result<DefaultSettings<f64>, DefaultSettingsBuilderError> {
-    const TIGHT: f64 = 1e-13;
-    DefaultSettingsBuilder::default().verbose(false).tol_gap_abs(TIGHT).tol_gap_rel(1e-9).build()
 }

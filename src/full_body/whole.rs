@@ -1,0 +1,149 @@
+//! Contacts held from end to end.
+//!
+//! A contact lasts from when a point comes down to when it is up by a hand's breadth, and old captures drift by centimetres
+//! meanwhile. Every one has a place where it turns the joints least, as far from that of the foot's other point as these are on the
+//! foot where both bear at once.
+
+use glam::{DQuat, DVec3};
+
+use crate::clip::contacts::runs;
+use crate::full_body::fade::Span;
+use crate::full_body::holding::{Foot, Held, Sole};
+use crate::full_body::pins::spans;
+use crate::full_body::plants::{Displacement, LegTrack};
+use crate::geometry::{exp, log};
+use crate::limb::minimal_rotation;
+
+/// Sweeps over the pairs of contacts that bear at once. Two are apart right after one; a toe that bears through several contacts of
+/// its heel takes a few more.
+const SWEEPS: usize = 100;
+
+/// A foot points no steeper than this up or down, share of its length.
+const STEEPEST: f64 = 0.95;
+
+/// A contact, and where it is held.
+struct Contact {
+    sole: Sole,
+    span: Span,
+    place: DVec3,
+    /// Its lowest captured height, metres: it is held no lower.
+    lowest: f64,
+}
+
+impl Contact {
+    fn new(foot: &Foot, sole: Sole, span: Span) -> Self {
+        let points = &foot.points(sole)[span.first..=span.last];
+        let lowest = points.iter().map(|point| point.y).fold(f64::INFINITY, f64::min);
+        let place = foot.least_turn(sole, span);
+        Self { sole, span, place: place.with_y(place.y.max(lowest)), lowest }
+    }
+
+    fn samples(&self) -> f64 {
+        (self.span.last + 1 - self.span.first) as f64
+    }
+
+    fn move_by(&mut self, way: DVec3) {
+        self.place += way;
+        self.place.y = self.place.y.max(self.lowest);
+    }
+}
+
+/// Where heel and toe are held, all along their contacts. Cost: linear in samples.
+pub fn whole(foot: &Foot, leg: &LegTrack) -> Held {
+    let of = |sole: Sole, labels: &[bool]| -> Vec<Contact> {
+        runs(labels).into_iter().map(|(first, last)| Contact::new(foot, sole, Span { first, last })).collect()
+    };
+    let (mut heels, mut toes) = (of(Sole::Heel, &leg.heel), of(Sole::Toe, &leg.toe));
+    let pairs = pairs(&heels, &toes);
+    for _ in 0..SWEEPS {
+        for &(heel, toe, at) in &pairs {
+            keep_apart(&mut heels[heel], &mut toes[toe], foot.heels[at].distance(foot.toes[at]));
+        }
+    }
+    let mut held = Held { heel: vec![None; leg.heel.len()], toe: vec![None; leg.toe.len()] };
+    for contact in heels.into_iter().chain(toes) {
+        let places = match contact.sole {
+            Sole::Heel => &mut held.heel,
+            Sole::Toe => &mut held.toe,
+        };
+        places[contact.span.first..=contact.span.last].fill(Some(contact.place));
+    }
+    held
+}
+
+/// Contacts of heel and toe that bear at once, and a sample at which they do. Both are in the order of time.
+fn pairs(heels: &[Contact], toes: &[Contact]) -> Vec<(usize, usize, usize)> {
+    let mut pairs = Vec::new();
+    let (mut heel, mut toe) = (0, 0);
+    while heel < heels.len() && toe < toes.len() {
+        let (a, b) = (heels[heel].span, toes[toe].span);
+        let first = a.first.max(b.first);
+        if first <= a.last.min(b.last) {
+            pairs.push((heel, toe, first));
+        }
+        if a.last < b.last { heel += 1 } else { toe += 1 }
+    }
+    pairs
+}
+
+/// Brings two places to `length` from each other; the one that is held for longer moves less.
+fn keep_apart(heel: &mut Contact, toe: &mut Contact, length: f64) {
+    let between = toe.place - heel.place;
+    let too_far = between.normalize_or_zero() * (between.length() - length);
+    let share = toe.samples() / (heel.samples() + toe.samples());
+    heel.move_by(too_far * share);
+    toe.move_by(too_far * (share - 1.0));
+}
+
+/// Raises what the `corrections` of a foot do to a point that is not held where that would bring it below the ground: the lowest
+/// captured place of the steps before and after, or of itself. A foot held by one point turns about it. Cost: linear.
+pub fn raise(foot: &Foot, held: &Held, corrections: &mut [Displacement]) {
+    let grounds = grounds(foot, &held.any());
+    for (at, ([ankle, toe], correction)) in grounds.into_iter().zip(corrections).enumerate() {
+        let lever = foot.toes[at] - foot.heels[at];
+        let [shift, turn] = correction;
+        let is_free = |place: &Option<DVec3>| place.is_none();
+        let at_ankle = foot.heels[at] + *shift;
+        if is_free(&held.heel[at]) && at_ankle.y < ankle {
+            if is_free(&held.toe[at]) {
+                shift.y += ankle - at_ankle.y;
+            } else {
+                let turned = exp(*turn) * lever;
+                let place = at_ankle + turned;
+                *turn = log(tilt(turned, place.y - ankle) * exp(*turn));
+                *shift = foot.shift_about(at, place, *turn);
+            }
+        }
+        let (at_ankle, turned) = (foot.heels[at] + *shift, exp(*turn) * lever);
+        if is_free(&held.toe[at]) && at_ankle.y + turned.y < toe {
+            *turn = log(tilt(turned, toe - at_ankle.y) * exp(*turn));
+        }
+    }
+}
+
+/// The turn that brings the end of `lever` to `height` above its beginning.
+fn tilt(lever: DVec3, height: f64) -> DQuat {
+    let length = lever.length();
+    let up = height.clamp(-STEEPEST * length, STEEPEST * length);
+    let level = lever.with_y(0.0).normalize_or_zero() * (length * length - up * up).max(0.0).sqrt();
+    minimal_rotation(lever, level.with_y(up))
+}
+
+/// The lowest that ankle and toe may come at each sample, metres.
+fn grounds(foot: &Foot, bears: &[bool]) -> Vec<[f64; 2]> {
+    let lower = |a: [f64; 2], b: [f64; 2]| [a[0].min(b[0]), a[1].min(b[1])];
+    let own = |at: usize| [foot.heels[at].y, foot.toes[at].y];
+    let mut grounds = vec![[f64::NEG_INFINITY; 2]; bears.len()];
+    let mut before: Option<[f64; 2]> = None;
+    let mut from = 0;
+    for Span { first, last } in spans(bears) {
+        let lowest = (first..=last).map(own).fold([f64::INFINITY; 2], lower);
+        grounds[from..first].fill(before.map_or(lowest, |before| lower(before, lowest)));
+        grounds[first..=last].fill(lowest);
+        (before, from) = (Some(lowest), last + 1);
+    }
+    if let Some(before) = before {
+        grounds[from..].fill(before);
+    }
+    grounds.into_iter().enumerate().map(|(at, ground)| lower(ground, own(at))).collect()
+}
