@@ -61,6 +61,7 @@ fn full_body(criterion: &mut Criterion) {
     for (group, mode, reaches) in [
         ("full_body", PlantMode::AsCaptured, false),
         ("full_body_pinned", PlantMode::Pinned, false),
+        ("full_body_whole", PlantMode::Whole, false),
         ("full_body_reaching", PlantMode::AsCaptured, true),
     ] {
         let mut group = criterion.benchmark_group(group);

@@ -125,6 +125,10 @@ fn a_body_tells_its_largest_turn_and_which_contacts_hold() {
     let whole = pinned.contact_drift.expect("feet bear");
     let excess = |drift: &DriftReport| drift.result - drift.captured;
     assert!(excess(&whole) >= excess(&drift) && whole.from < whole.to, "what rolls is told: {whole:?}");
+    let whole = body(&format!("{unedited}[full_body]\nplants = \"whole\"\n"));
+    assert_eq!(whole.contacts_held, Some(1.0));
+    assert!(whole.contact_drift.as_ref().is_some_and(|drift| drift.result < 1e-3), "{whole:?}");
+    assert!(whole.largest_change.is_some_and(|whole| whole.degrees > change.degrees));
     assert!(told(&format!("{unedited}{OFF}")).characters[0].full_body.is_none());
 }
 

@@ -57,7 +57,8 @@ impl Leg {
 
     /// How far the foot may come down at each sample before it is below the ground it leaves or comes to, metres.
     pub fn clearances(&self) -> Vec<f64> {
-        let stands: Vec<bool> = (0..self.bound.len()).map(|at| self.bound[at] && !self.is_rolling(at)).collect();
+        let stands: Vec<bool> =
+            (0..self.bound.len()).map(|at| self.bound[at] && !self.is_rolling(at)).collect();
         let clearance = |(at, floor): (usize, &Option<Floor>)| {
             let [ankle, toe] = self.heights(at);
             let of_toe = |floor: f64| if self.is_rolling(at) { f64::INFINITY } else { toe - floor };

@@ -140,7 +140,8 @@ impl Foot<'_> {
     /// The same, nearly as high as captured.
     fn best(&self, sole: Sole, span: Span) -> DVec3 {
         let place = self.least_turn(sole, span);
-        let mut heights: Vec<f64> = self.points(sole)[span.first..=span.last].iter().map(|point| point.y).collect();
+        let mut heights: Vec<f64> =
+            self.points(sole)[span.first..=span.last].iter().map(|point| point.y).collect();
         let middle = heights.len() / 2;
         let (_, median, _) = heights.select_nth_unstable_by(middle, f64::total_cmp);
         place.with_y(place.y.clamp(*median - FLOATS, *median + FLOATS))

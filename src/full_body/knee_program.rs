@@ -57,7 +57,11 @@ pub fn nearest(times: &[f64], given: &[f64], bounds: &Bounds<'_>) -> Result<Vec<
         }
     }
     let found = program.solve(GAP)?;
-    Ok(given.iter().zip(unknown).map(|(given, column)| column.map_or(*given, |column| found[column])).collect())
+    Ok(given
+        .iter()
+        .zip(unknown)
+        .map(|(given, column)| column.map_or(*given, |column| found[column]))
+        .collect())
 }
 
 /// Weights of three values in their second difference, and what it is of a second derivative of 1: the square of a step.

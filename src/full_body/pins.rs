@@ -60,11 +60,7 @@ impl<'a> Standing<'a> {
         if self.is_whole {
             raise(&self.foot, &self.held, &mut corrections);
         }
-        Pins {
-            corrections,
-            heel: is_held(&self.held.heel),
-            toe: is_held(&self.held.toe),
-        }
+        Pins { corrections, heel: is_held(&self.held.heel), toe: is_held(&self.held.toe) }
     }
 
     /// Lets go of what is held where it is `refused`, or of the held samples next to there; says whether there were any.

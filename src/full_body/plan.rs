@@ -154,7 +154,11 @@ impl<'a> Still<'a> {
     pub fn leg(&self, times: &[f64]) -> Leg {
         let mut leg = self.limb.leg(times);
         let pins = self.standing.pins(FADE);
-        if self.trial.is_some() { hold(&mut leg, pins) } else { hold_whole(&mut leg, pins) }
+        if self.trial.is_some() {
+            hold(&mut leg, pins)
+        } else {
+            hold_whole(&mut leg, pins)
+        }
         leg
     }
 

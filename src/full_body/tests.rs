@@ -320,7 +320,7 @@ proptest! {
         turn in -0.3..0.3_f64,
         labels in prop::collection::vec(0..16_u8, 61),
         ends in prop::collection::vec((0..21_u32, 0..55_usize, prop::array::uniform3(-2.0..2.0_f64)), 0..4),
-        pinned in any::<bool>(),
+        mode in prop::sample::select(&[PlantMode::AsCaptured, PlantMode::Pinned, PlantMode::Whole]),
     ) {
         let (skeleton, mut input) = walk(2.0);
         for (at, pose) in input.moved.iter_mut().enumerate() {
@@ -336,7 +336,6 @@ proptest! {
             let target = Target { position: DVec3::from_array(place), rotation: Some(yaw(place[0])) };
             input.effectors.push(Effector { joint: JointId(joint), first, targets: vec![target; 7], holds: false });
         }
-        let mode = if pinned { PlantMode::Pinned } else { PlantMode::AsCaptured };
         let refined = refine(&skeleton, &input, mode);
         for (before, after) in input.moved.iter().zip(&refined.poses) {
             prop_assert!(after.root.is_finite());

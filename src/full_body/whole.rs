@@ -55,9 +55,14 @@ pub fn whole(foot: &Foot, leg: &LegTrack) -> Held {
     };
     let (mut heels, mut toes) = (of(Sole::Heel, &leg.heel), of(Sole::Toe, &leg.toe));
     let pairs = pairs(&heels, &toes);
+    for chain in pairs.chunk_by(|a, b| a.heel == b.heel || a.toe == b.toe) {
+        align(foot, chain, (&mut heels, &mut toes));
+    }
     for _ in 0..SWEEPS {
-        for &(heel, toe, at) in &pairs {
-            keep_apart(&mut heels[heel], &mut toes[toe], foot.heels[at].distance(foot.toes[at]));
+        for pair in &pairs {
+            let at = pair.both.first;
+            let length = foot.heels[at].distance(foot.toes[at]);
+            keep_apart(&mut heels[pair.heel], &mut toes[pair.toe], length);
         }
     }
     let mut held = Held { heel: vec![None; leg.heel.len()], toe: vec![None; leg.toe.len()] };
@@ -71,19 +76,59 @@ pub fn whole(foot: &Foot, leg: &LegTrack) -> Held {
     held
 }
 
-/// Contacts of heel and toe that bear at once, and a sample at which they do. Both are in the order of time.
-fn pairs(heels: &[Contact], toes: &[Contact]) -> Vec<(usize, usize, usize)> {
+/// Contacts of heel and toe that bear at once, and when.
+struct Pair {
+    heel: usize,
+    toe: usize,
+    both: Span,
+}
+
+impl Pair {
+    /// From heel to toe as captured meanwhile, metres: the mean.
+    fn lever(&self, foot: &Foot) -> DVec3 {
+        let Span { first, last } = self.both;
+        let sum: DVec3 = (first..=last).map(|at| foot.toes[at] - foot.heels[at]).sum();
+        sum / (last + 1 - first) as f64
+    }
+}
+
+/// All pairs, in the order of time as contacts are: each shares a contact with the one before, or begins a new chain.
+fn pairs(heels: &[Contact], toes: &[Contact]) -> Vec<Pair> {
     let mut pairs = Vec::new();
     let (mut heel, mut toe) = (0, 0);
     while heel < heels.len() && toe < toes.len() {
         let (a, b) = (heels[heel].span, toes[toe].span);
-        let first = a.first.max(b.first);
-        if first <= a.last.min(b.last) {
-            pairs.push((heel, toe, first));
+        let both = Span { first: a.first.max(b.first), last: a.last.min(b.last) };
+        if both.first <= both.last {
+            pairs.push(Pair { heel, toe, both });
         }
         if a.last < b.last { heel += 1 } else { toe += 1 }
     }
     pairs
+}
+
+/// Moves the contacts of a chain of pairs so that in each the foot points as captured on the mean: by the least sum of squares over
+/// samples.
+fn align(foot: &Foot, chain: &[Pair], (heels, toes): (&mut [Contact], &mut [Contact])) {
+    // Where each contact is from the first heel.
+    let (mut heel_from, mut toe_from) = (vec![(chain[0].heel, DVec3::ZERO)], Vec::new());
+    for pair in chain {
+        let lever = pair.lever(foot);
+        match (heel_from.last().copied(), toe_from.last().copied()) {
+            (Some((heel, from)), _) if heel == pair.heel => toe_from.push((pair.toe, from + lever)),
+            (_, Some((_, from))) => heel_from.push((pair.heel, from - lever)),
+            _ => {}
+        }
+    }
+    let of_heels = heel_from.iter().map(|(heel, from)| (&heels[*heel], *from));
+    let of_toes = toe_from.iter().map(|(toe, from)| (&toes[*toe], *from));
+    let (sum, samples) =
+        of_heels.chain(of_toes).fold((DVec3::ZERO, 0.0), |(sum, samples), (contact, from)| {
+            (sum + (contact.place - from) * contact.samples(), samples + contact.samples())
+        });
+    let first = sum / samples;
+    heel_from.into_iter().for_each(|(heel, from)| heels[heel].place = first + from);
+    toe_from.into_iter().for_each(|(toe, from)| toes[toe].place = first + from);
 }
 
 /// Brings two places to `length` from each other; the one that is held for longer moves less.

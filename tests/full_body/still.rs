@@ -8,8 +8,8 @@ use cotillion::full_body::{PlantMode, WholeContact};
 use libtest_mimic::Failed;
 
 use crate::clips::{Walk, load};
-use crate::measure::largest_change;
-use crate::{OWN_RATE, PINNED_CHANGE, refined, tell};
+use crate::measure::{knee_acceleration, largest_change};
+use crate::{DRIFT, KNEES, OWN_RATE, PINNED_CHANGE, refined, tell};
 
 pub(crate) fn hardly_changes(folder: &Path, file: &str) -> Result<(), Failed> {
     holds_still(&load(folder, file)?, file)
@@ -51,8 +51,29 @@ fn holds_still(walk: &Walk, file: &str) -> Result<(), Failed> {
     Err(format!("{:.2}°, reported {:.2}°", change.to_degrees(), reported.to_degrees()).into())
 }
 
+/// Held from end to end, feet turn joints by what is told, and jerk no knee.
+pub(crate) fn stands_all_along(folder: &Path, file: &str) -> Result<(), Failed> {
+    let walk = load(folder, file)?;
+    let stretch = walk.stretch((0, walk.poses.len() - 1));
+    let result = refined(&stretch, stretch.rest, PlantMode::Whole);
+    let change = largest_change(stretch.rest, &result.poses);
+    let told = result.report.largest_change.map_or(0.0, |change| change.angle);
+    let drift = result.report.contacts.iter().map(|contact| contact.drift).fold(0.0, f64::max);
+    let unheld = result.report.contacts.iter().filter(|contact| contact.held < 1.0).count();
+    let knees = knee_acceleration(walk.skeleton(), &walk.times, &result.poses)
+        / knee_acceleration(walk.skeleton(), &walk.times, &walk.poses);
+    let found = format!(
+        "{:.1} degrees, down by {:.3} m, drift {drift:e} m, knees {knees:.2}",
+        change.to_degrees(),
+        result.report.root_drop
+    );
+    tell(&format!("{file} held all along: {found}"));
+    let is_told = (change - told).abs() < 1e-9 && change > 0.0;
+    if is_told && unheld == 0 && drift < DRIFT && knees < KNEES { Ok(()) } else { Err(found.into()) }
+}
+
 /// Heels and toes that bear, summed over frames.
-fn held_points(contacts: &[Contacts]) -> usize {
+pub(crate) fn held_points(contacts: &[Contacts]) -> usize {
     let bears = |contact: &Contacts| ContactPoint::FEET.iter().filter(|point| contact.at(**point)).count();
     contacts.iter().map(bears).sum()
 }
