@@ -192,3 +192,75 @@ fn grounds(foot: &Foot, bears: &[bool]) -> Vec<[f64; 2]> {
     }
     grounds.into_iter().enumerate().map(|(at, ground)| lower(ground, own(at))).collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::full_body::chain::{Place, legs};
+    use crate::full_body::plants::{FEET, bearing};
+    use crate::full_body::tests::walk;
+
+    /// Rounding of metres.
+    const ROUNDING: f64 = 1e-9;
+
+    /// The left leg of a generated walk.
+    fn left() -> LegTrack {
+        let (skeleton, input) = walk(3.0);
+        let [Some(chain), _] = legs(&skeleton) else { panic!("the generated body has legs") };
+        let rest: Vec<Place> = input.rest.iter().map(|pose| chain.place(&skeleton, pose)).collect();
+        let [heel, toe] = bearing(&input.contacts, FEET[0]);
+        LegTrack { moved: rest.clone(), rest, heel, toe }
+    }
+
+    #[test]
+    fn every_contact_has_one_place_and_feet_keep_their_length() {
+        let leg = left();
+        let foot = Foot::new(&leg, f64::INFINITY);
+        let held = whole(&foot, &leg);
+        for (labels, places, points) in
+            [(&leg.heel, &held.heel, &foot.heels), (&leg.toe, &held.toe, &foot.toes)]
+        {
+            assert!(runs(labels).len() > 2, "it takes steps");
+            for (first, last) in runs(labels) {
+                let place = places[first].expect("it is held");
+                assert!(places[first..=last].iter().all(|own| *own == Some(place)));
+                let lowest = points[first..=last].iter().map(|point| point.y).fold(f64::INFINITY, f64::min);
+                assert!(place.y > lowest - ROUNDING, "{} below {lowest}", place.y);
+            }
+            assert!((0..labels.len()).all(|at| labels[at] == places[at].is_some()));
+        }
+        for at in 0..leg.heel.len() {
+            let (Some(heel), Some(toe)) = (held.heel[at], held.toe[at]) else { continue };
+            let length = foot.heels[at].distance(foot.toes[at]);
+            assert!((heel.distance(toe) - length).abs() < ROUNDING);
+            let turned = (toe - heel).angle_between(foot.toes[at] - foot.heels[at]);
+            assert!(turned < 0.5, "sample {at}: the foot points {turned} rad aside");
+        }
+    }
+
+    #[test]
+    fn what_would_be_in_the_ground_is_raised_and_what_is_held_stays() {
+        let leg = left();
+        let foot = Foot::new(&leg, f64::INFINITY);
+        let held = whole(&foot, &leg);
+        let down = [DVec3::Y * -0.05, DVec3::ZERO];
+        let mut corrections = vec![down; leg.heel.len()];
+        raise(&foot, &held, &mut corrections);
+        let grounds = grounds(&foot, &held.any());
+        for (at, [shift, turn]) in corrections.into_iter().enumerate() {
+            let ankle = foot.heels[at] + shift;
+            let toe = ankle + exp(turn) * (foot.toes[at] - foot.heels[at]);
+            match (held.heel[at], held.toe[at]) {
+                (Some(_), Some(_)) => assert_eq!([shift, turn], down),
+                (Some(_), None) => assert!(shift == down[0] && toe.y > grounds[at][1] - ROUNDING),
+                (None, Some(_)) => {
+                    assert!(toe.distance(foot.toes[at] + down[0]) < ROUNDING);
+                    assert!(ankle.y > grounds[at][0] - ROUNDING);
+                }
+                (None, None) => {
+                    assert!(ankle.y > grounds[at][0] - ROUNDING && toe.y > grounds[at][1] - ROUNDING)
+                }
+            }
+        }
+    }
+}
