@@ -23,7 +23,7 @@ const ROUNDS: usize = 4;
 
 /// Rounds off `changes` of a joint's angle, radians, while the leg is `free`, so that `captured + changes` accelerates
 /// hardly more than 1.35 times as hard as `captured` does; no change is below `least`, with which the foot touches
-/// the ground. Cost: linear in samples times the longest swing.
+/// the ground. Cost: linear; a program of a swing takes a few dozen factorisations of its band.
 pub fn soften(times: &[f64], captured: &[f64], (free, least): (&[bool], &[f64]), changes: &mut [f64]) {
     let most = HARDEST * largest_acceleration(times, captured);
     for (first, last) in runs(free) {
