@@ -67,6 +67,8 @@ pub struct Timing {
 /// A group in which somebody performs another track.
 pub struct Exchange {
     group: usize,
+    /// Whose paths are in it.
+    characters: Vec<usize>,
     component: SpatialComponent,
 }
 
@@ -214,18 +216,22 @@ impl Editor {
     }
 
     /// The group of `variant` with its path exchanged, factored from the present systems; `None` where these do not tell.
-    /// `response`: of the character, since systems were last factored; the exchange holds as long. Cost: linear in the frames
-    /// of the group, and by the cube of the rows of the path.
+    /// `response`: of the character, since systems were last factored; the exchange holds as long. `before`: that of the same path
+    /// until then, whose work is taken over where it is the same. Cost: linear in the frames of the group, and by the cube of
+    /// the rows of the path.
     pub fn exchange(
         &self,
         (variant, timing): (&Variant, &Timing),
         response: &GroupResponse,
+        before: Option<Exchange>,
     ) -> Option<Exchange> {
         let (index, _) = place_of(&self.spatial, variant.character)?;
         let group = &self.spatial[index];
         let held = self.held_with((variant, &timing.objects), index);
-        let component = exchanged(&group.component, response, &variant.own, held)?;
-        Some(Exchange { group: index, component })
+        let same_paths = |before: &Exchange| before.characters == group.characters;
+        let before = before.filter(same_paths).map(|before| before.component);
+        let component = exchanged(&group.component, response, (&variant.own, before), held)?;
+        Some(Exchange { group: index, characters: group.characters.clone(), component })
     }
 
     /// [`Editor::energy_of`] to ten digits, for the present targets; `None` where the exchange does not tell. It is sketched
@@ -241,7 +247,7 @@ impl Editor {
         if timing.is_entangled() {
             return None;
         }
-        let Exchange { group, component } = exchange;
+        let Exchange { group, component, .. } = exchange;
         component.held.iter_mut().for_each(|prepared| {
             retarget(&mut prepared.row, &self.scene);
         });
