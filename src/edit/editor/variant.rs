@@ -255,7 +255,7 @@ impl Editor {
         let doubtful = most + SKETCHED * (1.0 + most);
         on_canvas(response, component, |component| {
             let mut below = |most, effort| {
-                self.energy_below(whom, (*group, &mut *component, response), (most - least, effort))
+                self.energy_below(whom, (*group, &mut *component, response), (least, most, effort))
             };
             match below(doubtful, Effort::Sketch)? {
                 WhatIf::Energy(energy) if energy.total <= doubtful => below(most, Effort::Estimate),
@@ -265,22 +265,28 @@ impl Editor {
         })
     }
 
-    /// Ê by some effort, given up where the shape alone takes more than `most`, in Ê.
+    /// Ê by some effort, given up where space takes so much that Ê is more than `most`; `least`: what all else takes at least,
+    /// the residuals of the scale phase among it.
     fn energy_below(
         &self,
         (variant, timing): (&Variant, &Timing),
         (group, component, response): (usize, &mut SpatialComponent, &GroupResponse),
-        (most, effort): (f64, Effort),
+        (least, most, effort): (f64, f64, Effort),
     ) -> Option<WhatIf> {
-        let most = most * WORKING_STEP.powi(3);
+        let most = (most - least) * WORKING_STEP.powi(3);
         set_effort(component, effort);
         let mut solved = component.solve_below(most).ok()?;
         if solved == Solved::LacksScale {
             complete(&self.spatial[group].component, response, (component, &variant.own, effort))?;
             solved = component.go_on(most).ok()?;
         }
-        if solved != Solved::Both {
-            return Some(WhatIf::TooMuch(None));
+        match solved {
+            Solved::Both => {}
+            Solved::TooMuchInAll => {
+                let (shape, scale) = space_of(group, component, Vec::new()).energies;
+                return Some(WhatIf::TooMuch(Some(least + (shape + scale) / WORKING_STEP.powi(3))));
+            }
+            Solved::TooMuch | Solved::LacksScale => return Some(WhatIf::TooMuch(None)),
         }
         let lengths = component.bodies.iter().map(|body| body.length).collect();
         let mut spaces = vec![space_of(group, component, lengths)];
