@@ -196,7 +196,7 @@ fn an_exchange_taken_over_from_another_problem_has_the_energy_of_a_full_solve() 
             Compliance::new(scene.paths.iter().map(|path| shaped(path)).collect(), scene.rows.clone());
         let factor = problem.analyse().expect("sound").factor(&problem).expect("regular");
         let response = PathResponse::new(&problem, &factor, 0);
-        let springs = if path == &other { Arc::clone(&springs) } else { Arc::new(shaped(path)) };
+        let springs = if *path == other { Arc::clone(&springs) } else { Arc::new(shaped(path)) };
         let (problem_before, factor_before) =
             (known.as_ref().map(|own| &own.0), known.as_ref().map(|own| &own.1));
         let exchanged =
