@@ -233,7 +233,8 @@ impl Bent {
             return Err(KktError::SolutionNotFinite);
         }
         let (rows, balance) = self.residual.split_at(problem.rows.len());
-        let forces = self.unknowns[..problem.rows.len()].iter().map(|u| u.high.norm()).fold(scale, f64::max);
+        let forces = self.unknowns[..problem.rows.len()].iter().map(|u| u.high.norm_sqr());
+        let forces = forces.fold(0.0, f64::max).sqrt().max(scale);
         let relative = relative_to(largest(rows), scale).max(relative_to(largest(balance), forces));
         if relative <= allowed { Ok(relative) } else { Err(KktError::Residual { relative, allowed }) }
     }

@@ -37,12 +37,67 @@ pub(crate) struct Exchange {
     border: Vec<usize>,
     /// K⁻¹P.
     columns: Arc<Parts>,
+    /// Δ.
+    pub(crate) difference: Difference,
+    /// I + VᴴGU.
+    system: LU<c64, Dyn, Dyn>,
+}
+
+/// What another path changes of the entries on the border, as `Δ = UVᴴ`.
+#[derive(Clone, Debug)]
+pub(crate) struct Difference {
+    /// What it follows from.
+    basis: Basis,
     /// U.
     left: Parts,
     /// Vᴴ.
     right: DMatrix<c64>,
-    /// I + VᴴGU.
-    system: LU<c64, Dyn, Dyn>,
+}
+
+/// All that the entries of two paths on one border follow from.
+#[derive(Clone, Debug)]
+pub(crate) struct Basis {
+    /// Pieces of the path as it is and as it would be.
+    pub(crate) pieces: [Vec<Arc<PathLoads>>; 2],
+    /// Of each row given on it, the weights then.
+    pub(crate) weights: [Vec<Option<f64>>; 2],
+    /// Powers of two that rows and columns of Δ are multiplied by.
+    pub(crate) scales: [Vec<f64>; 2],
+}
+
+impl Basis {
+    /// Whether `other` leads to the same Δ but for its scales.
+    fn agrees_with(&self, other: &Self) -> bool {
+        let same = |(a, b): (&Arc<PathLoads>, &Arc<PathLoads>)| Arc::ptr_eq(a, b) || a == b;
+        let pieces = self.pieces.iter().zip(&other.pieces);
+        self.weights == other.weights
+            && pieces.into_iter().all(|(a, b)| a.len() == b.len() && a.iter().zip(b).all(same))
+    }
+}
+
+impl Difference {
+    /// `entries`: Δ. Cost: its entries times its rank.
+    pub(crate) fn new(basis: Basis, entries: Parts) -> Self {
+        let (left, right) = crosses(entries);
+        Self { basis, left, right }
+    }
+
+    /// That of `basis`, if it is the same but for scales. Cost: by the border and the rank.
+    pub(crate) fn rescaled(&self, basis: &Basis) -> Option<Self> {
+        if !self.basis.agrees_with(basis) {
+            return None;
+        }
+        let ratios =
+            |side: usize| basis.scales[side].iter().zip(&self.basis.scales[side]).map(|(new, old)| new / old);
+        let mut left = self.left.clone();
+        for part in &mut left {
+            part.row_iter_mut().zip(ratios(0)).for_each(|(mut row, ratio)| row *= ratio);
+        }
+        let mut right = self.right.clone();
+        let columns = right.column_iter_mut().zip(ratios(1));
+        columns.for_each(|(mut column, ratio)| column *= c64::new(ratio, 0.0));
+        Some(Self { basis: basis.clone(), left, right })
+    }
 }
 
 /// A system is singular if its largest pivot is as many times its smallest: something is free, but for rounding. Regular ones
@@ -53,38 +108,35 @@ const MOST_SPREAD: f64 = 1e13;
 const EXHAUSTED: f64 = 1e-13;
 
 impl Exchange {
-    /// `inverse`: G. `difference`: Δ. `None` where the system is singular to rounding. Cost: by the square of the border and
-    /// the rank of the difference.
+    /// `inverse`: G. `None` where the system is singular to rounding. Cost: by the square of the border and the rank of the
+    /// difference.
     pub(crate) fn new(
         border: Vec<usize>,
         columns: Arc<Parts>,
-        (inverse, difference): (&Parts, Parts),
+        (inverse, difference): (&Parts, Difference),
     ) -> Option<Self> {
-        let (left, right) = crosses(difference);
-        let rank = right.nrows();
-        let forced = product(inverse, &left);
-        let system = DMatrix::identity(rank, rank) + &right * joined(&forced);
+        let rank = difference.right.nrows();
+        let forced = product(inverse, &difference.left);
+        let system = DMatrix::identity(rank, rank) + &difference.right * joined(&forced);
         let system = system.lu();
         let pivots = (0..rank).map(|k| system.lu_internal()[(k, k)].norm());
         let (least, most) = pivots.fold((f64::INFINITY, 0.0_f64), |(a, b), own| (a.min(own), b.max(own)));
         let regular = rank == 0 || most < MOST_SPREAD * least; // which NaN is not
-        regular.then_some(Self { border, columns, left, right, system })
+        regular.then_some(Self { border, columns, difference, system })
     }
 
     /// From the solution of the system as factored to that of the exchanged one.
     pub(crate) fn correct(&self, x: &mut [c64]) {
-        if self.right.nrows() == 0 {
+        let Difference { left, right, .. } = &self.difference;
+        if right.nrows() == 0 {
             return;
         }
         let own = DVector::from_iterator(self.border.len(), self.border.iter().map(|index| x[*index]));
-        let mut own = &self.right * own;
+        let mut own = right * own;
         // A pivot that is 0 would have been found when it was factored.
         self.system.solve_mut(&mut own);
-        let own = [own.map(|own| own.re), own.map(|own| own.im)];
-        let moved = applied(&self.columns, &applied(&self.left, &own));
-        for (x, (re, im)) in x.iter_mut().zip(moved[0].iter().zip(moved[1].iter())) {
-            *x -= c64::new(*re, *im);
-        }
+        let moved = applied(&self.columns, &applied(left, own.as_slice()));
+        x.iter_mut().zip(moved).for_each(|(x, moved)| *x -= moved);
     }
 }
 
@@ -93,12 +145,19 @@ fn product([a_re, a_im]: &Parts, [b_re, b_im]: &Parts) -> Parts {
     [a_re * b_re - a_im * b_im, a_re * b_im + a_im * b_re]
 }
 
-/// `A x`.
-fn applied([a_re, a_im]: &Parts, [x_re, x_im]: &[DVector<f64>; 2]) -> [DVector<f64>; 2] {
-    let (mut re, mut im) = (a_re * x_re, a_re * x_im);
-    re.gemv(-1.0, a_im, x_im, 1.0);
-    im.gemv(1.0, a_im, x_re, 1.0);
-    [re, im]
+/// `A x`. Cost: one pass over A.
+pub(crate) fn applied([a_re, a_im]: &Parts, x: &[c64]) -> Vec<c64> {
+    let size = a_re.nrows();
+    let (mut re, mut im) = (vec![0.0; size], vec![0.0; size]);
+    let columns = a_re.as_slice().chunks_exact(size.max(1)).zip(a_im.as_slice().chunks_exact(size.max(1)));
+    for ((column_re, column_im), x) in columns.zip(x) {
+        let sums = re.iter_mut().zip(&mut im);
+        for ((re, im), (a, b)) in sums.zip(column_re.iter().zip(column_im)) {
+            *re += a * x.re - b * x.im;
+            *im += a * x.im + b * x.re;
+        }
+    }
+    re.into_iter().zip(im).map(|(re, im)| c64::new(re, im)).collect()
 }
 
 fn joined([re, im]: &Parts) -> DMatrix<c64> {
@@ -128,8 +187,7 @@ fn crosses(mut rest: Parts) -> (Parts, DMatrix<c64>) {
         let cross: Vec<c64> = (0..size).map(|j| entry(&rest, row, j) * inverse).collect();
         let own = rank * size..(rank + 1) * size;
         for (j, share) in cross.iter().enumerate().filter(|(_, share)| **share != c64::default()) {
-            take_off(&mut rest, j, (&left[0][own.clone()], &left[1][own.clone()]), *share);
-            largest[j] = largest_sq(&rest, j);
+            largest[j] = take_off(&mut rest, j, (&left[0][own.clone()], &left[1][own.clone()]), *share);
         }
         right.extend(cross);
         rank += 1;
@@ -158,27 +216,44 @@ fn first_largest(values: impl Iterator<Item = f64>) -> (f64, usize) {
     values.enumerate().fold((0.0, 0), larger)
 }
 
-/// Takes `share` times another column off a column.
-fn take_off([re, im]: &mut Parts, column: usize, (own_re, own_im): (&[f64], &[f64]), share: c64) {
+/// Takes `share` times another column off a column: squared modulus of the largest entry left.
+fn take_off([re, im]: &mut Parts, column: usize, (own_re, own_im): (&[f64], &[f64]), share: c64) -> f64 {
     let size = own_re.len();
     let own = column * size..(column + 1) * size;
     let (re, im) = (&mut re.as_mut_slice()[own.clone()], &mut im.as_mut_slice()[own]);
-    for ((re, im), (a, b)) in re.iter_mut().zip(im).zip(own_re.iter().zip(own_im)) {
-        *re -= a * share.re - b * share.im;
-        *im -= a * share.im + b * share.re;
-    }
+    let mut take = |from: usize, most: &mut [f64]| {
+        let own = from..from + most.len();
+        let given = own_re[own.clone()].iter().zip(&own_im[own.clone()]);
+        let left = re[own.clone()].iter_mut().zip(&mut im[own]).zip(given);
+        for (((re, im), (a, b)), most) in left.zip(most) {
+            *re -= a * share.re - b * share.im;
+            *im -= a * share.im + b * share.re;
+            let square = *re * *re + *im * *im;
+            *most = if square > *most { square } else { *most };
+        }
+    };
+    // Some at once: each comparison would wait for the one before.
+    let mut most = [0.0; AT_ONCE];
+    let whole = size - size % AT_ONCE;
+    (0..whole).step_by(AT_ONCE).for_each(|from| take(from, &mut most));
+    take(whole, &mut most[..size - whole]);
+    first_largest(most.into_iter()).0
 }
+
+/// So many entries of a column are compared at once.
+const AT_ONCE: usize = 4;
 
 impl Compliance {
     /// The problem with other springs for `path` and other terms and weights of the rows on it: `rows` are terms and weights
     /// of those given, all others as they are. It is solved with [`PathResponse::factor`](crate::PathResponse::factor), and cannot be factored by
-    /// itself: it knows no terms. `None` where it has other unknowns, or motions are free. Cost: by the points and rows of the
-    /// path.
+    /// itself: it knows no terms. `None` where it has other unknowns, or motions are free. `before`: a problem that may have had
+    /// the same springs and terms, whose moments are taken over. Cost: by the points and rows of the path.
     pub fn with_path<'a>(
         &self,
         path: usize,
         springs: Arc<SpringPath>,
         rows: impl Iterator<Item = (&'a [(usize, usize, c64)], Option<f64>)>,
+        before: Option<&Self>,
     ) -> Option<Self> {
         let own = self.first_pieces[path]..self.first_pieces[path + 1];
         let first_joint = self.given + 2 * (own.start - path);
@@ -198,13 +273,20 @@ impl Compliance {
             return None;
         }
         let mut loads = self.loads.clone();
+        let same_pieces = |before: &&Self| {
+            before.first_pieces == self.first_pieces && Arc::ptr_eq(&before.paths[path], &springs)
+        };
+        let before = before.filter(same_pieces);
         for (piece, index) in pieces.iter().zip(own) {
-            let known = PathLoads::new(&*springs, piece.own.clone(), &piece.terms);
+            let same = |known: &&Arc<PathLoads>| known.is_of(&piece.own, &piece.terms);
+            let known = before.and_then(|before| before.loads.get(index)).filter(same).cloned();
+            let known =
+                known.unwrap_or_else(|| Arc::new(PathLoads::new(&*springs, piece.own.clone(), &piece.terms)));
             let motions = self.layout.similarities[index + 1] - self.layout.similarities[index];
             if known.motions() != motions || !known.is_finite() {
                 return None;
             }
-            loads[index] = Arc::new(known);
+            loads[index] = known;
         }
         let mut paths = self.paths.clone();
         paths[path] = springs;

@@ -61,6 +61,8 @@ const COINCIDENT: f64 = 1e-9;
 pub(crate) struct PathLoads {
     /// Points that belong to this piece.
     pub(crate) own: Range<usize>,
+    /// Terms as they were given: row, point, coefficient.
+    given: Vec<(usize, usize, c64)>,
     /// Points that rows touch, rising.
     pub(crate) nodes: Vec<usize>,
     /// Moments of the piece's springs from the node before, or from its first point, up to each node.
@@ -103,6 +105,7 @@ impl PathLoads {
         let (centre, radius) = extent(path, &own, known);
         let mut loads = Self {
             own,
+            given: terms.to_vec(),
             nodes,
             moments,
             rows: Vec::new(),
@@ -118,6 +121,11 @@ impl PathLoads {
         loads.find_covariances();
         loads.finite = loads.has_numbers_only();
         loads
+    }
+
+    /// Whether it was made of these points and terms, of whichever path.
+    pub(crate) fn is_of(&self, own: &Range<usize>, terms: &[(usize, usize, c64)]) -> bool {
+        self.own == *own && self.given == terms
     }
 
     fn take_terms(&mut self, given: &[(usize, usize, c64)]) {

@@ -23,7 +23,7 @@ use crate::bent::Bent;
 use crate::c64;
 use crate::compliance::{Compliance, ComplianceFactor};
 use crate::error::KktError;
-use crate::exchange::{Exchange, Parts};
+use crate::exchange::{Basis, Difference, Exchange, Parts};
 use crate::kkt::{Factor, Workspace};
 use crate::network::Network;
 use crate::path_loads::PathLoads;
@@ -79,14 +79,13 @@ impl PathResponse {
         let spare = (similarities + 2).saturating_sub(border.len());
         let size = border.len() + spare;
         let mut inverse = DMatrix::identity(size, size);
-        let columns = DMatrix::from_vec(problem.layout.size, border.len(), factor.inverse_columns(&border));
+        let columns = factor.inverse_columns(&border);
         for column in 0..border.len() {
-            border
-                .iter()
-                .enumerate()
-                .for_each(|(row, other)| inverse[(row, column)] = columns[(*other, column)]);
+            for (row, other) in border.iter().enumerate() {
+                let place = (*other, column);
+                inverse[(row, column)] = c64::new(columns[0][place], columns[1][place]);
+            }
         }
-        let columns = [columns.map(|value| value.re), columns.map(|value| value.im)];
         let (columns, present) = (Arc::new(columns), DMatrix::zeros(size, size));
         let own = inverse.view((0, 0), (border.len(), border.len()));
         let inverse_parts = [own.map(|value| value.re), own.map(|value| value.im)];
@@ -136,7 +135,8 @@ impl PathResponse {
     }
 
     /// Factorisation of `changed`, which differs from the problem that this response is of in nothing but the path and the
-    /// rows on it.
+    /// rows on it. `before`: one that may have been of the same path in another problem, with the same path to begin with;
+    /// what it took from one to the other is taken over.
     ///
     /// # Errors
     /// [`KktError::Singular`] if the change leaves something free or makes rows depend on each other.
@@ -144,7 +144,34 @@ impl PathResponse {
         &self,
         (problem, factor): (&Compliance, &ComplianceFactor),
         changed: &Compliance,
+        before: Option<&ComplianceFactor>,
     ) -> Result<ComplianceFactor, KktError> {
+        let basis = self.basis(problem, changed);
+        let known = before.and_then(|before| before.exchange.as_ref());
+        let known = known.and_then(|known| known.difference.rescaled(&basis));
+        let difference = known.unwrap_or_else(|| Difference::new(basis, self.difference(problem, changed)));
+        let (columns, inverse) = (Arc::clone(&self.columns), &self.inverse_parts);
+        let exchange = Exchange::new(self.border.clone(), columns, (inverse, difference));
+        Ok(factor.exchanged(exchange.ok_or(KktError::Singular)?))
+    }
+
+    /// What the change of entries follows from.
+    fn basis(&self, problem: &Compliance, changed: &Compliance) -> Basis {
+        let both = [problem, changed];
+        let pieces = |problem: &Compliance| {
+            problem.loads[problem.first_pieces[self.path]..problem.first_pieces[self.path + 1]].to_vec()
+        };
+        let weights =
+            |problem: &Compliance| self.rows.iter().map(|row| problem.rows[*row].weight).collect::<Vec<_>>();
+        let scale = |index: &usize| problem.scales.get(*index).copied();
+        let left = self.border.iter().map(|index| scale(index).unwrap_or(problem.unit)).collect();
+        let right =
+            self.border.iter().map(|index| scale(index).map_or(1.0, |own| own / problem.unit)).collect();
+        Basis { pieces: both.map(pieces), weights: both.map(weights), scales: [left, right] }
+    }
+
+    /// The change of entries.
+    fn difference(&self, problem: &Compliance, changed: &Compliance) -> Parts {
         let size = self.border.len();
         let present = self.present.view((0, 0), (size, size));
         let [mut re, mut im] = [present.map(|value| -value.re), present.map(|value| -value.im)];
@@ -163,9 +190,7 @@ impl PathResponse {
                 im[(row, column)] += value.im;
             });
         }
-        let (columns, inverse) = (Arc::clone(&self.columns), &self.inverse_parts);
-        let exchange = Exchange::new(self.border.clone(), columns, (inverse, [re, im]));
-        Ok(factor.exchanged(exchange.ok_or(KktError::Singular)?))
+        [re, im]
     }
 
     /// Energy of springs and soft rows if the path were `change`, and all else as `bent` was solved for `targets`.

@@ -145,7 +145,7 @@ fn both_energies(scene: &Scene, stretches: &[(usize, usize, usize)]) -> (f64, f6
     };
     let energy = response.energy(&problem, (&bent, &scene.targets), &change).expect("a regular candidate");
     let full = full_energy(&changed);
-    if let Some(exchanged) = problem.with_path(0, Arc::new(path.listed()), given(&changed.rows)) {
+    if let Some(exchanged) = problem.with_path(0, Arc::new(path.listed()), given(&changed.rows), None) {
         assert_same((exchanged_energy(&response, (&problem, &factor), (&exchanged, &scene.targets)), full));
     }
     (energy, full)
@@ -157,7 +157,7 @@ fn exchanged_energy(
     present: (&Compliance, &ComplianceFactor),
     (exchanged, targets): (&Compliance, &[c64]),
 ) -> f64 {
-    let factor = response.factor(present, exchanged).expect("a regular candidate");
+    let factor = response.factor(present, exchanged, None).expect("a regular candidate");
     Bent::new(exchanged, &factor).solve(exchanged, &factor, targets).expect("an answer").energy
 }
 
@@ -170,9 +170,44 @@ fn a_path_exchanged_for_itself_changes_nothing() {
     let factor = problem.analyse().expect("sound").factor(&problem).expect("regular");
     for (path, springs) in springs.into_iter().enumerate() {
         let response = PathResponse::new(&problem, &factor, path);
-        let same = problem.with_path(path, Arc::new(springs), given(&scene.rows)).expect("the same unknowns");
+        let same =
+            problem.with_path(path, Arc::new(springs), given(&scene.rows), None).expect("the same unknowns");
         let energy = exchanged_energy(&response, (&problem, &factor), (&same, &scene.targets));
         assert_same((energy, full_energy(&scene)));
+    }
+}
+
+/// A path exchanged in one problem, then in others of which another path was changed: what the first exchange found is taken
+/// over where it holds, scaled anew.
+#[test]
+fn an_exchange_taken_over_from_another_problem_has_the_energy_of_a_full_solve() {
+    let shaped = |path: &[c64]| SpringPath::of_shape(path.to_vec());
+    let wide = |path: &[c64], share: f64| -> Vec<c64> {
+        path.iter().map(|p| share * p + c64::new(0.0, 0.02 * (3.0 * p.re).sin())).collect()
+    };
+    let rest = scene_m();
+    let (other, another) = (wide(&rest.paths[0], 1.4), wide(&rest.paths[0], 0.7));
+    let mut known: Option<(Compliance, ComplianceFactor)> = None;
+    let springs = Arc::new(shaped(&other));
+    for (size, path) in [(1.0, &other), (3.0, &other), (0.1, &other), (0.1, &another), (2.0, &other)] {
+        let mut scene = rest.clone();
+        scene.paths[1] = wide(&rest.paths[1], size);
+        let problem =
+            Compliance::new(scene.paths.iter().map(|path| shaped(path)).collect(), scene.rows.clone());
+        let factor = problem.analyse().expect("sound").factor(&problem).expect("regular");
+        let response = PathResponse::new(&problem, &factor, 0);
+        let springs = if *path == other { Arc::clone(&springs) } else { Arc::new(shaped(path)) };
+        let (problem_before, factor_before) =
+            (known.as_ref().map(|own| &own.0), known.as_ref().map(|own| &own.1));
+        let exchanged =
+            problem.with_path(0, springs, given(&scene.rows), problem_before).expect("the same unknowns");
+        let update =
+            response.factor((&problem, &factor), &exchanged, factor_before).expect("a regular candidate");
+        let solved =
+            Bent::new(&exchanged, &update).solve(&exchanged, &update, &scene.targets).expect("an answer");
+        scene.paths[0].clone_from(path);
+        assert_same((solved.energy, full_energy(&scene)));
+        known = Some((exchanged, update));
     }
 }
 

@@ -159,13 +159,13 @@ impl<'a> Frames<'a> {
     /// Replacements of what lies between two track frames by what lies in some clip between two frames like them.
     fn replacements(&self, graph: &MotionGraph, settings: &DiscreteSettings, found: &mut Vec<Candidate>) {
         let alike: Vec<_> = (0..self.nodes.len()).map(|i| self.alike(graph, i)).collect();
-        let mut known = false;
+        let (mut known, ends) = (false, self.seen.protected.ends_up_to(self.nodes.len()));
         for i in 0..self.nodes.len() {
             let last = (i + settings.longest).min(self.nodes.len().saturating_sub(2));
             for j in i + settings.shortest..=last {
                 // Between frames like none but themselves there is only what lies there.
                 let only_same = alike[i].len() == 1 && alike[j].len() == 1 && self.runs[i] == self.runs[j];
-                if only_same && known || !self.allowed(i, j, settings) {
+                if only_same && known || ends[i] < ends[j] || !self.allowed(i, j, settings) {
                     continue;
                 }
                 let least = self.least_exchange((i, j), settings);

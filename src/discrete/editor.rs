@@ -357,7 +357,7 @@ impl DiscreteEditor {
     fn forget_systems(&mut self) {
         self.responses.iter_mut().for_each(|known| *known = OnceLock::new());
         for proposal in self.proposals.iter_mut().flatten().flatten() {
-            proposal.exchange = OnceLock::new();
+            proposal.forget_exchange();
         }
     }
 

@@ -77,6 +77,17 @@ impl Protected {
         })
     }
 
+    /// How many ends of protected stretches lie up to each of `count` frames: none of those may go.
+    pub fn ends_up_to(&self, count: usize) -> Vec<usize> {
+        let mut ends = vec![0; count];
+        let all = self.stretches.iter().flat_map(|(first, last)| [*first, *last]);
+        all.filter(|end| *end < count).for_each(|end| ends[end] += 1);
+        for frame in 1..count {
+            ends[frame] += ends[frame - 1];
+        }
+        ends
+    }
+
     /// Whether the two copies of frames that `splice` shows twice differ in what is named on them.
     pub fn tell_copies_apart(&self, splice: &Splice) -> bool {
         splice.resume <= splice.after

@@ -23,7 +23,9 @@ pub struct Proposal {
     /// That track, once asked for; `None` where a moment is torn apart.
     pub variant: OnceLock<Option<Variant>>,
     /// The group with that track, since systems were last factored; `None` where these do not tell.
-    pub exchange: OnceLock<Option<Mutex<Exchange>>>,
+    exchange: OnceLock<Option<Mutex<Exchange>>>,
+    /// The one before.
+    before: Mutex<Option<Exchange>>,
     /// Ê when it was last estimated.
     last: Mutex<Option<f64>>,
 }
@@ -40,7 +42,15 @@ impl Proposal {
             path: OnceLock::new(),
             variant: OnceLock::new(),
             exchange: OnceLock::new(),
+            before: Mutex::default(),
             last: Mutex::default(),
+        }
+    }
+
+    /// Systems were factored anew: the exchange holds no longer, but much of the next one may be the same.
+    pub fn forget_exchange(&mut self) {
+        if let Some(known) = self.exchange.take().flatten() {
+            self.before = Mutex::new(Some(known.into_inner().unwrap_or_else(PoisonError::into_inner)));
         }
     }
 
@@ -126,7 +136,10 @@ impl<'a> Weighing<'a> {
         let timing = timing.get()?.as_ref().filter(|timing| !timing.is_entangled())?;
         let who = proposal.candidate.character;
         let response = self.responses[who.as_usize()].get_or_init(|| self.editor.response(who)).as_ref()?;
-        let make = || self.editor.exchange((variant, timing), response);
+        let make = || {
+            let before = proposal.before.lock().unwrap_or_else(PoisonError::into_inner).take();
+            self.editor.exchange((variant, timing), response, before)
+        };
         let turns = self.turns(proposal);
         let range = (bound - turns, most - turns);
         let estimate =

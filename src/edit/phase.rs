@@ -200,19 +200,21 @@ impl PhaseSolver {
     }
 
     /// The same with another path `path`, that of `freedom`, which is `own`, and the rows `held` on it, factored by an update; `None` where
-    /// more would change than that path. `response`: of the path in this system.
+    /// more would change than that path. `response`: of the path in this system. `before`: the same in an earlier system, whose
+    /// work is taken over where it is the same.
     pub fn exchanged(
         &self,
         (path, freedom, own): (usize, Freedom, &OwnPath),
         held: &[Prepared],
         settings: &SpatialSettings,
-        response: &PathResponse,
+        (response, before): (&PathResponse, Option<&Self>),
     ) -> Option<Self> {
         let reduced = self.reduced.as_ref().filter(|_| self.dependent.is_empty())?;
         let rows =
             Some(BoundRows::new(freedom, held, settings)).filter(|rows| rows.differ_on(path, &self.rows))?;
-        let reduced =
-            reduced.exchanged((path, freedom), own.springs(freedom.phase, settings)?, &rows, response)?;
+        let (springs, before) =
+            (own.springs(freedom.phase, settings)?, before.and_then(|before| before.reduced.as_ref()));
+        let reduced = reduced.exchanged((path, freedom), springs, &rows, (response, before))?;
         Some(Self {
             rows,
             hard: self.hard.clone(),

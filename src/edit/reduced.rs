@@ -104,21 +104,23 @@ impl ReducedPhase {
     }
 
     /// The same with the path `path` of `freedom`, of other `springs`, and other terms and weights of the rows on it;
-    /// `None` where that has other unknowns or is singular. `response`: of the path.
+    /// `None` where that has other unknowns or is singular. `response`: of the path. `before`: the same in an earlier system, whose
+    /// work is taken over where it is the same.
     pub fn exchanged(
         &self,
         (path, freedom): (usize, Freedom),
         springs: Arc<SpringPath>,
         rows: &BoundRows,
-        response: &PathResponse,
+        (response, before): (&PathResponse, Option<&Self>),
     ) -> Option<Self> {
         let (factor, _) = self.factor.as_ref()?;
         let run_rows = run_rows(freedom);
         let targets = self.targets.clone();
         let run_rows = run_rows.iter().map(|row| (row.terms.as_slice(), row.weight));
         let rows = rows.iter().chain(run_rows);
-        let problem = self.problem.with_path(path, springs, rows)?;
-        let factor = response.factor((&self.problem, factor), &problem).ok()?;
+        let problem = self.problem.with_path(path, springs, rows, before.map(|before| &before.problem))?;
+        let before = before.and_then(|before| before.factor.as_ref()).map(|(factor, _)| factor);
+        let factor = response.factor((&self.problem, factor), &problem, before).ok()?;
         let bent = Bent::new(&problem, &factor);
         Some(Self {
             problem,

@@ -108,6 +108,8 @@ pub enum Solved {
     Both,
     /// The shape takes too much energy.
     TooMuch,
+    /// Both do, without the residuals of the second: its paths are not drawn.
+    TooMuchInAll,
     /// The shape; what it takes to go on is missing.
     LacksScale,
 }
@@ -217,7 +219,7 @@ impl SpatialComponent {
         self.solve_below(f64::INFINITY).map(|_| ())
     }
 
-    /// The same, given up where the shape alone takes more energy than `most`, m².
+    /// The same, given up where the shape alone, or with it the springs of the scale phase, takes more energy than `most`, m².
     ///
     /// # Errors
     /// As [`SpatialComponent::solve`].
@@ -240,7 +242,7 @@ impl SpatialComponent {
     /// # Errors
     /// As [`SpatialComponent::solve`].
     pub fn go_on(&mut self, most: f64) -> Result<Solved, SpatialError> {
-        match self.solve_scale()? {
+        match self.solve_scale(most)? {
             None => Ok(Solved::Both),
             Some(Attempt::Ended(solved)) => Ok(solved),
             Some(Attempt::Release(_)) => self.solve_below(most),
@@ -271,7 +273,7 @@ impl SpatialComponent {
         if self.lacks_scale {
             return Ok(Attempt::Ended(Solved::LacksScale));
         }
-        self.solve_scale().map(|release| release.unwrap_or(Attempt::Ended(Solved::Both)))
+        self.solve_scale(most).map(|release| release.unwrap_or(Attempt::Ended(Solved::Both)))
     }
 
     /// Solves the shape phase; draws it unless it takes more energy than `most`.
@@ -303,7 +305,7 @@ impl SpatialComponent {
         Ok(None)
     }
 
-    fn solve_scale(&mut self) -> Result<Option<Attempt>, SpatialError> {
+    fn solve_scale(&mut self, most: f64) -> Result<Option<Attempt>, SpatialError> {
         let translations = self.scale_translations();
         let (held, rotations, turned) = (&self.held, &self.rotations, &self.turned);
         let relative = self.settings.relative;
@@ -315,6 +317,10 @@ impl SpatialComponent {
         let freedom = freedom((&self.rests, &self.samplings), Phase::Scale, &self.settings, &self.released);
         let solved = self.scale.solve(freedom, &self.settings);
         solved.map_err(|error| SpatialError::Solver(Phase::Scale, error))?;
+        (self.energy.scale, self.energy.scale_soft) = self.scale.energies();
+        if self.energy.shape + self.energy.shape_soft + self.energy.scale > most {
+            return Ok(Some(Attempt::Ended(Solved::TooMuchInAll)));
+        }
         if !self.lengths_only {
             hold_facings(held, rotations, &mut self.bodies);
         }
@@ -328,7 +334,6 @@ impl SpatialComponent {
             }
         };
         for_each_path(rests, &mut self.edited, &mut self.bodies, stretch);
-        (self.energy.scale, self.energy.scale_soft) = self.scale.energies();
         Ok(None)
     }
 

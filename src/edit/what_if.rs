@@ -47,12 +47,13 @@ pub fn response(group: &SpatialComponent, path: usize) -> Option<GroupResponse> 
 }
 
 /// The group with `other` in place of a path, and the rows `held` with those on it, for the shape phase; of its bodies it tells
-/// lengths only, and it is solved [with a canvas](on_canvas). `None` where more would change than that. Cost: linear in frames
-/// of the path and paths of the group, and by the square of the rows of the path.
+/// lengths only, and it is solved [with a canvas](on_canvas). `None` where more would change than that. `before`: the same in
+/// an earlier group, whose work is taken over where it is the same. Cost: linear in frames of the path and paths of the group,
+/// and by the square of the rows of the path.
 pub fn exchanged(
     group: &SpatialComponent,
     response: &GroupResponse,
-    other: &Arc<OwnPath>,
+    (other, before): (&Arc<OwnPath>, Option<SpatialComponent>),
     mut held: Vec<Prepared>,
 ) -> Option<SpatialComponent> {
     let path = response.path;
@@ -67,7 +68,8 @@ pub fn exchanged(
     let settings = group.settings;
     let (all, rows) = (rests.as_slice(), held.as_slice());
     let own = (path, freedom((all, &[]), Phase::Shape, &settings, &[]), &**other);
-    let shape = group.shape.exchanged(own, rows, &settings, &response.phases[0])?;
+    let known = before.as_ref().map(|before| &before.shape);
+    let shape = group.shape.exchanged(own, rows, &settings, (&response.phases[0], known))?;
     let mut segments = group.segments.clone();
     segments[path] = Arc::clone(&other.segments);
     let mut own_chords = group.chords.clone();
@@ -89,7 +91,8 @@ pub fn exchanged(
         settings,
         backend: group.backend,
         shape,
-        scale: PhaseSolver::none(),
+        // Until it is there, what is known from before.
+        scale: before.map_or_else(PhaseSolver::none, |before| before.scale),
         others: Vec::new(),
         lengths_only: true,
         lacks_scale: true,
@@ -147,7 +150,7 @@ pub fn complete(
     let settings = own.settings;
     let freedom = freedom((&own.rests, &[]), Phase::Scale, &settings, &[]);
     let path = (response.path, freedom, other);
-    own.scale = group.scale.exchanged(path, &own.held, &settings, &response.phases[1])?;
+    own.scale = group.scale.exchanged(path, &own.held, &settings, (&response.phases[1], Some(&own.scale)))?;
     set_effort(own, effort);
     own.lacks_scale = false;
     Some(())

@@ -67,6 +67,8 @@ pub struct Timing {
 /// A group in which somebody performs another track.
 pub struct Exchange {
     group: usize,
+    /// Whose paths are in it.
+    characters: Vec<usize>,
     component: SpatialComponent,
 }
 
@@ -214,18 +216,22 @@ impl Editor {
     }
 
     /// The group of `variant` with its path exchanged, factored from the present systems; `None` where these do not tell.
-    /// `response`: of the character, since systems were last factored; the exchange holds as long. Cost: linear in the frames
-    /// of the group, and by the cube of the rows of the path.
+    /// `response`: of the character, since systems were last factored; the exchange holds as long. `before`: that of the same path
+    /// until then, whose work is taken over where it is the same. Cost: linear in the frames of the group, and by the cube of
+    /// the rows of the path.
     pub fn exchange(
         &self,
         (variant, timing): (&Variant, &Timing),
         response: &GroupResponse,
+        before: Option<Exchange>,
     ) -> Option<Exchange> {
         let (index, _) = place_of(&self.spatial, variant.character)?;
         let group = &self.spatial[index];
         let held = self.held_with((variant, &timing.objects), index);
-        let component = exchanged(&group.component, response, &variant.own, held)?;
-        Some(Exchange { group: index, component })
+        let same_paths = |before: &Exchange| before.characters == group.characters;
+        let before = before.filter(same_paths).map(|before| before.component);
+        let component = exchanged(&group.component, response, (&variant.own, before), held)?;
+        Some(Exchange { group: index, characters: group.characters.clone(), component })
     }
 
     /// [`Editor::energy_of`] to ten digits, for the present targets; `None` where the exchange does not tell. It is sketched
@@ -241,7 +247,7 @@ impl Editor {
         if timing.is_entangled() {
             return None;
         }
-        let Exchange { group, component } = exchange;
+        let Exchange { group, component, .. } = exchange;
         component.held.iter_mut().for_each(|prepared| {
             retarget(&mut prepared.row, &self.scene);
         });
@@ -249,7 +255,7 @@ impl Editor {
         let doubtful = most + SKETCHED * (1.0 + most);
         on_canvas(response, component, |component| {
             let mut below = |most, effort| {
-                self.energy_below(whom, (*group, &mut *component, response), (most - least, effort))
+                self.energy_below(whom, (*group, &mut *component, response), (least, most, effort))
             };
             match below(doubtful, Effort::Sketch)? {
                 WhatIf::Energy(energy) if energy.total <= doubtful => below(most, Effort::Estimate),
@@ -259,22 +265,28 @@ impl Editor {
         })
     }
 
-    /// Ê by some effort, given up where the shape alone takes more than `most`, in Ê.
+    /// Ê by some effort, given up where space takes so much that Ê is more than `most`; `least`: what all else takes at least,
+    /// the residuals of the scale phase among it.
     fn energy_below(
         &self,
         (variant, timing): (&Variant, &Timing),
         (group, component, response): (usize, &mut SpatialComponent, &GroupResponse),
-        (most, effort): (f64, Effort),
+        (least, most, effort): (f64, f64, Effort),
     ) -> Option<WhatIf> {
-        let most = most * WORKING_STEP.powi(3);
+        let most = (most - least) * WORKING_STEP.powi(3);
         set_effort(component, effort);
         let mut solved = component.solve_below(most).ok()?;
         if solved == Solved::LacksScale {
             complete(&self.spatial[group].component, response, (component, &variant.own, effort))?;
             solved = component.go_on(most).ok()?;
         }
-        if solved != Solved::Both {
-            return Some(WhatIf::TooMuch(None));
+        match solved {
+            Solved::Both => {}
+            Solved::TooMuchInAll => {
+                let (shape, scale) = space_of(group, component, Vec::new()).energies;
+                return Some(WhatIf::TooMuch(Some(least + (shape + scale) / WORKING_STEP.powi(3))));
+            }
+            Solved::TooMuch | Solved::LacksScale => return Some(WhatIf::TooMuch(None)),
         }
         let lengths = component.bodies.iter().map(|body| body.length).collect();
         let mut spaces = vec![space_of(group, component, lengths)];
