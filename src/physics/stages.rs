@@ -97,7 +97,7 @@ pub struct Stages {
     pub supports: Vec<Support>,
     /// One a frame.
     pub phases: Vec<Phase>,
-    /// What flights of 0.2 s or more fall like.
+    /// What flights of 0.2 s or more fall like; of those that an end of the clip cuts off too little is seen to tell.
     pub flights: Vec<FlightCheck>,
 }
 
@@ -238,13 +238,28 @@ fn phases(supports: &[Support], touches: &[bool], settings: &StageSettings) -> V
     (0..flies.len()).map(phase).collect()
 }
 
-/// A body that falls slower than this is held by something unseen, m/s²: a seat, a bar, a step that feet do not show.
-const LEAST_GRAVITY: f64 = 1.0;
+/// Bodies that fall slower than this, m/s² …
+const SLOW_GRAVITY: f64 = 4.0;
+/// … and do not rise and sink by this on the way, metres, are held by something unseen: a seat, a bar, a step that feet do not show, the
+/// ball of a foot on which somebody turns. Who jumps rises as high at any rate of frames.
+const LEAST_HOP: f64 = 0.03;
+
+/// Whether a body whose centre of mass has these heights while nothing seems to touch, metres, and falls by `gravity`, m/s², is held.
+fn is_held(heights: &[f64], gravity: f64) -> bool {
+    let top = heights.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    let hop = |end: Option<&f64>| end.map_or(0.0, |end| top - end);
+    gravity < SLOW_GRAVITY && hop(heights.first()).min(hop(heights.last())) < LEAST_HOP
+}
 
 impl Stages {
     /// Runs of frames in flight: first and last of each.
     pub fn flight_runs(&self) -> Vec<(usize, usize)> {
         runs(&self.phases.iter().map(|phase| *phase == Phase::Flight).collect::<Vec<_>>())
+    }
+
+    /// What the flight in the frames `run` ([`Self::flight_runs`]) falls like, if that is known.
+    pub fn check_of(&self, run: (usize, usize)) -> Option<FlightCheck> {
+        self.flights.iter().find(|check| (check.first, check.last) == run).copied()
     }
 
     /// World places of all points that support in one frame, metres.
@@ -294,9 +309,9 @@ impl Stages {
         let heights: Vec<f64> = centers.iter().map(|center| center.y).collect();
         for (first, last) in self.flight_runs() {
             let Some(check) = check_flight(&heights, (first, last), posed.fps) else { continue };
-            if check.gravity < LEAST_GRAVITY {
+            if is_held(&heights[first..=last], check.gravity) {
                 self.phases[first..=last].fill(Phase::Touch);
-            } else {
+            } else if first > 0 && last + 1 < heights.len() {
                 self.flights.push(check);
             }
         }
