@@ -238,17 +238,19 @@ fn phases(supports: &[Support], touches: &[bool], settings: &StageSettings) -> V
     (0..flies.len()).map(phase).collect()
 }
 
-/// Bodies that fall slower than this, m/s² …
-const SLOW_GRAVITY: f64 = 4.0;
-/// … and do not rise and sink by this on the way, metres, are held by something unseen: a seat, a bar, a step that feet do not show, the
-/// ball of a foot on which somebody turns. Who jumps rises as high at any rate of frames.
-const LEAST_HOP: f64 = 0.03;
+/// A body that falls slower than this is held by something unseen, m/s²: a seat, a bar. Nobody declares a sixth of the right rate.
+const LEAST_GRAVITY: f64 = 0.25;
+/// So is one that falls slower than this, m/s² …
+const SLOW_GRAVITY: f64 = 2.0;
+/// … without rising and sinking by this on the way, metres: it steps down where feet do not show the step, or turns on the ball of a foot.
+/// Who jumps rises as high at any rate of frames.
+const LEAST_HOP: f64 = 0.1;
 
-/// Whether a body whose centre of mass has these heights while nothing seems to touch, metres, and falls by `gravity`, m/s², is held.
-fn is_held(heights: &[f64], gravity: f64) -> bool {
+/// How far a body rises after the first of these heights of its centre of mass and sinks before the last, whichever is less; metres.
+fn hop(heights: &[f64]) -> f64 {
     let top = heights.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-    let hop = |end: Option<&f64>| end.map_or(0.0, |end| top - end);
-    gravity < SLOW_GRAVITY && hop(heights.first()).min(hop(heights.last())) < LEAST_HOP
+    let below = |end: Option<&f64>| end.map_or(0.0, |end| top - end);
+    below(heights.first()).min(below(heights.last()))
 }
 
 impl Stages {
@@ -309,9 +311,11 @@ impl Stages {
         let heights: Vec<f64> = centers.iter().map(|center| center.y).collect();
         for (first, last) in self.flight_runs() {
             let Some(check) = check_flight(&heights, (first, last), posed.fps) else { continue };
-            if is_held(&heights[first..=last], check.gravity) {
+            let is_whole = first > 0 && last + 1 < heights.len();
+            let hops = is_whole && hop(&heights[first..=last]) >= LEAST_HOP;
+            if check.gravity < LEAST_GRAVITY || (check.gravity < SLOW_GRAVITY && !hops) {
                 self.phases[first..=last].fill(Phase::Touch);
-            } else if first > 0 && last + 1 < heights.len() {
+            } else if is_whole {
                 self.flights.push(check);
             }
         }

@@ -8,7 +8,8 @@ use cotillion::physics::ground::target::Target;
 use libtest_mimic::Failed;
 
 use crate::measure::Done;
-use crate::performer::{Edited, load};
+use crate::performance::load;
+use crate::performer::Edited;
 use crate::{JOG, WALK, tell, verdict};
 
 const LIKE_BYTES: [&str; 5] = [
