@@ -9,8 +9,8 @@ use std::process::{Command, Output};
 use cotillion::edit::{Edit, Editor, Moved};
 use cotillion::embody::{Embodied, closed_groups, embody, embody_some};
 use cotillion::export::bvh::to_bvh;
-use cotillion::export::physics_report::{PhysicsReport, TouchedReport, physics_report};
-use cotillion::export::touch_up_report::JudgedReport;
+use cotillion::export::physics_report::{PhysicsReport, physics_report};
+use cotillion::export::touch_up_report::{JudgedReport, TouchUpPart};
 use cotillion::index::CharacterId;
 use cotillion::object_motion::object_motions;
 use cotillion::plausible::{NotTouched, TouchUps, embody_plausibly, make_plausible};
@@ -82,10 +82,10 @@ impl Finished {
     }
 
     /// What is told of the first one.
-    fn told(&self) -> TouchedReport {
+    fn told(&self) -> TouchUpPart {
         let first = CharacterId(0);
         match physics_report(&self.touch_ups[&first], &self.resampled.clips[0]) {
-            PhysicsReport::Touched(told) => *told,
+            PhysicsReport::Touched(told) => told.done,
             PhysicsReport::NotTouched { not_touched } => panic!("{not_touched}"),
         }
     }
@@ -113,14 +113,14 @@ const STANDS: f64 = 1e-9;
 #[test]
 fn a_bent_walk_comes_nearer_to_what_the_ground_can_bear_and_its_feet_stay() {
     let told = Finished::of(&format!("{UNEDITED}{BEND}{PHYSICS}{ON}")).told();
-    assert!(mean(&told.done.ground.after) < mean(&told.done.ground.before));
-    let [after, result] = [&told.done.ground.after, &told.done.result].map(mean);
+    assert!(mean(&told.ground.after) < mean(&told.ground.before));
+    let [after, result] = [&told.ground.after, &told.result].map(mean);
     assert!(
         (after - result).abs() < STANDS,
         "without hands to bring back nothing comes after: {after} {result}"
     );
-    assert!(told.done.ground.plants.largest_error < STANDS);
-    assert!(told.done.largest_change.is_some() && told.done.ground.kept > 0);
+    assert!(told.ground.plants.largest_error < STANDS);
+    assert!(told.largest_change.is_some() && told.ground.kept > 0);
 }
 
 /// By how much hands miss what they carry, and ends what they reach, metres.
@@ -215,7 +215,7 @@ fn a_clip_made_of_others_is_compared_with_them() {
         let text = text.replace("track = [\"walk\"]", &format!("track = [\"{track}\"]"));
         Finished::of(&format!("{text}{PHYSICS}{ON}schedule = \"uphill\"\n")).told()
     });
-    let source = |told: &TouchedReport| mean(told.done.ground.source.as_ref().expect("known"));
+    let source = |told: &TouchUpPart| mean(told.ground.source.as_ref().expect("known"));
     assert!((source(&level) - source(&climb)).abs() < OTHER_RATE);
     let miss = |judged: &JudgedReport| judged.miss.expect("carried over");
     assert!(miss(&level.ground.before) < STANDS, "a level walk is where it was");
@@ -226,8 +226,8 @@ fn a_clip_made_of_others_is_compared_with_them() {
 fn the_published_mode_works_on_polygons_in_one_round() {
     let text = format!("mode = \"paper\"\n{UNEDITED}{BEND}{PHYSICS}");
     let told = Finished::of(&text).told();
-    assert_eq!(told.done.ground.steps.len(), 3);
-    assert!(told.done.ground.before.miss.is_none());
+    assert_eq!(told.ground.steps.len(), 3);
+    assert!(told.ground.before.miss.is_none());
 }
 
 #[test]
@@ -235,7 +235,7 @@ fn bodies_are_touched_up_where_the_full_body_is_off() {
     let text = format!("{UNEDITED}{BEND}{PHYSICS}{ON}[full_body]\nenabled = false\n");
     let done = Finished::of(&text);
     let told = done.told();
-    assert!(mean(&told.done.result) < mean(&told.done.ground.before));
+    assert!(mean(&told.result) < mean(&told.ground.before));
     let plain = Finished::of(&text.replace("touch_up = true", "touch_up = false"));
     assert!(plain.resampled.clips[0] != done.resampled.clips[0] && plain.touch_ups.is_empty());
 }

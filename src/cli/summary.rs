@@ -86,7 +86,8 @@ fn of_many(report: &Report) -> String {
 /// How many were touched up, and what became of their mean distances.
 fn touched_many(all: &[CharacterReport]) -> String {
     let touched: Vec<&TouchedReport> = all.iter().filter_map(CharacterReport::touched).collect();
-    let pairs = touched.iter().filter_map(|own| Some([own.done.ground.before.d?.mean, own.done.result.d?.mean]));
+    let pairs =
+        touched.iter().filter_map(|own| Some([own.done.ground.before.d?.mean, own.done.result.d?.mean]));
     let pairs: Vec<[f64; 2]> = pairs.collect();
     if pairs.is_empty() {
         return String::new();

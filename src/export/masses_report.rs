@@ -126,6 +126,9 @@ mod tests {
         let fit = MassFit { body, factors, singular_values: Vec::new(), distances: [0.0; 2], frames: 1 };
         let doubts = EstimatePart::from(&fit).doubts();
         let [below, above] = &doubts[..] else { panic!("{doubts:?}") };
-        assert!(below.contains("thigh has 0.49 times") && above.contains("abdomen has 2.04 times"), "{doubts:?}");
+        assert!(
+            below.contains("thigh has 0.49 times") && above.contains("abdomen has 2.04 times"),
+            "{doubts:?}"
+        );
     }
 }

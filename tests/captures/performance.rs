@@ -18,6 +18,7 @@ use crate::captures::read_at_own_rate;
 pub(crate) struct Performance {
     pub(crate) clip: Clip,
     pub(crate) body: BodyModel,
+    #[allow(dead_code, reason = "shared with tests that pose what they edit")]
     pub(crate) posed: PosedClip,
     pub(crate) stages: Stages,
 }

@@ -164,9 +164,15 @@ fn what_does_not_fit_together_is_told() {
     assert!(matches!(run(&act, None, &settings), Err(GroundError::Input(InputError::NotFinite { .. }))));
     let mut broken = Act::on_an_arc(2.0);
     broken.clip.rotations[5] = DQuat::from_xyzw(f64::NAN, 0.0, 0.0, 1.0);
-    assert!(matches!(run(&broken, None, &GroundSettings::default()), Err(GroundError::Input(InputError::NotFinite { .. }))));
+    assert!(matches!(
+        run(&broken, None, &GroundSettings::default()),
+        Err(GroundError::Input(InputError::NotFinite { .. }))
+    ));
     broken.stages.phases.pop();
-    assert!(matches!(run(&broken, None, &GroundSettings::default()), Err(GroundError::Input(InputError::OtherStages { .. }))));
+    assert!(matches!(
+        run(&broken, None, &GroundSettings::default()),
+        Err(GroundError::Input(InputError::OtherStages { .. }))
+    ));
 }
 
 #[test]

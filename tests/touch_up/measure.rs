@@ -6,8 +6,8 @@ use cotillion::physics::flight::FlightSettings;
 use cotillion::physics::ground::report::{GroundReport, Judged};
 use cotillion::physics::ground::{GroundSettings, ground_pass};
 use cotillion::physics::posed::PosedClip;
-use cotillion::physics::zmp::{ForceSettings, balances, distance_summary, link_forces};
 use cotillion::physics::touch_up::{TouchUpSettings, TouchedUp, touch_up};
+use cotillion::physics::zmp::{ForceSettings, balances, distance_summary, link_forces};
 use libtest_mimic::Failed;
 
 use crate::performer::Edited;

@@ -50,9 +50,7 @@ impl Truth {
         let ahead = self.strides.ahead(frame);
         match self.direction {
             Direction::Ahead => ahead,
-            Direction::Inwards => {
-                left(ahead) * self.strides.acceleration(frame).dot(left(ahead)).signum()
-            }
+            Direction::Inwards => left(ahead) * self.strides.acceleration(frame).dot(left(ahead)).signum(),
         }
     }
 
@@ -81,8 +79,8 @@ pub(crate) fn leans(folder: &Path, _: &str) -> Result<(), Failed> {
         let truth = Truth::of(folder, file, direction)?;
         faults.extend(told(file, truth.mean()));
         if file == TRANSITION {
-            let moments = (1..=MOMENTS)
-                .map(|moment| truth.frames.start + moment * truth.frames.len() / (MOMENTS + 1));
+            let moments =
+                (1..=MOMENTS).map(|moment| truth.frames.start + moment * truth.frames.len() / (MOMENTS + 1));
             faults.extend(moments.filter_map(|frame| told(&format!("    frame {frame}"), truth.lean(frame))));
         }
     }

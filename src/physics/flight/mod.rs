@@ -76,7 +76,13 @@ const FADE: f64 = 0.5;
 impl Default for FlightSettings {
     /// Without steps of halves: on captured jumps these turn joints farther than the whole body would have to turn.
     fn default() -> Self {
-        Self { steps: Vec::new(), target: MomentumTarget::default(), fade: FADE, trusts_fall: true, left: Vec::new() }
+        Self {
+            steps: Vec::new(),
+            target: MomentumTarget::default(),
+            fade: FADE,
+            trusts_fall: true,
+            left: Vec::new(),
+        }
     }
 }
 
