@@ -61,3 +61,8 @@ fn scaled(clip: &Clip, scale: f64) -> Clip {
     poses.iter_mut().for_each(|pose| pose.root *= scale);
     Clip::from_poses(&clip.name, skeleton.into(), clip.fps, &poses)
 }
+
+/// All of `faults` as one, if there are any.
+pub(crate) fn verdict(faults: Vec<String>) -> Result<(), Failed> {
+    if faults.is_empty() { Ok(()) } else { Err(faults.join("\n").into()) }
+}

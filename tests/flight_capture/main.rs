@@ -23,7 +23,7 @@ use cotillion::physics::zmp::DistanceSummary;
 use glam::DVec3;
 use jumps::on_arc;
 use libtest_mimic::{Arguments, Failed};
-use performance::{Performance, load, load_as};
+use performance::{Performance, load, load_as, verdict};
 
 const FORWARD: &str = "amc/cmu_16_05_forward_jump.amc";
 const FLIP: &str = "bvh/mass_backflip.bvh";
@@ -82,10 +82,6 @@ fn flown(jump: &Performance, settings: &FlightSettings) -> Result<Flown, Failed>
     Ok(fly(&jump.clip, &jump.body, &jump.stages, settings)?)
 }
 
-fn told(faults: Vec<String>) -> Result<(), Failed> {
-    if faults.is_empty() { Ok(()) } else { Err(faults.join("\n").into()) }
-}
-
 /// Whether a flight is exact, and its borders are what they were.
 fn is_exact(facts: &FlightFacts) -> bool {
     let momentum = match facts.relative_momentum_errors() {
@@ -124,7 +120,7 @@ fn flies(folder: &Path, file: &str) -> Result<(), Failed> {
     if changed_ground(&jump, &flown.clip) > 0 || flown.report.flights.is_empty() {
         faults.push("the ground changed, or nothing flew".to_owned());
     }
-    told(faults)
+    verdict(faults)
 }
 
 /// The tuck of one jump was captured with a momentum that no body in the air has: within one frame it falls from 8 to 1 kg m²/s. Any
@@ -167,7 +163,7 @@ fn bent_fly(folder: &Path, file: &str) -> Result<(), Failed> {
             faults.push(format!("{degrees}°: {facts}; beside {before} {after}"));
         }
     }
-    told(faults)
+    verdict(faults)
 }
 
 /// Flights disturb the ground beside them; where that was put right first, zero moment points end nearer than they started.
@@ -184,7 +180,7 @@ fn borders_get_better(folder: &Path, file: &str) -> Result<(), Failed> {
             faults.push(format!("{degrees}°: {starts:?} {ends:?} {}", after[0]));
         }
     }
-    told(faults)
+    verdict(faults)
 }
 
 /// Largest step of the root from frame to frame, metres.
@@ -261,7 +257,7 @@ fn halves_fly(folder: &Path, file: &str) -> Result<(), Failed> {
             faults.push(format!("{degrees}°: {own}\n{other}"));
         }
     }
-    told(faults)
+    verdict(faults)
 }
 
 /// World places of the points of soles that bear, of all frames.

@@ -7,6 +7,7 @@
 mod captures;
 #[path = "../captures/performance.rs"]
 mod performance;
+mod warnings;
 
 use std::path::Path;
 
@@ -96,21 +97,6 @@ const RAISED: [(&str, f64); 3] = [
     ("bvh/snu_walk_to_slope_and_back.bvh", 0.8),
 ];
 
-/// All captures that warn, and how many of their flights do: runs, a dive, a dance, and flips.
-const WARNING: [(&str, usize); 8] = [
-    ("amc/cmu_02_03_run_jog_straight.amc", 1),
-    ("amc/cmu_127_23_run_dive_over_and_roll_run.amc", 2),
-    ("amc/cmu_127_37_run_duck_underneath_low.amc", 1),
-    ("bvh/cmu_60_10_salsa_A.bvh", 1),
-    (FLIP, 1),
-    ("deepmimic/humanoid3d_backflip.txt", 1),
-    ("deepmimic/humanoid3d_run.txt", 1),
-    ("deepmimic/humanoid3d_sideflip.txt", 1),
-];
-
-/// Rates at which [`JUMP`], captured at 120, must warn when declared so.
-const TOO_SLOW: [f64; 7] = [24.0, 30.0, 40.0, 50.0, 54.0, 60.0, 80.0];
-
 const JUMP: &str = "amc/cmu_16_05_forward_jump.amc";
 const FLIP: &str = "bvh/mass_backflip.bvh";
 
@@ -123,8 +109,12 @@ fn main() {
         trial("every flavour of skeleton has a body".to_owned(), all_have_bodies, ""),
         trial("a jump declared too slow names its rate".to_owned(), too_slow_names_its_rate, JUMP),
         trial("a jump in another unit names its scale".to_owned(), too_large_names_its_scale, JUMP),
-        trial("a jump declared slow at any rate names its own".to_owned(), any_rate_names_its_own, JUMP),
-        trial("only the captures that are known to warn do".to_owned(), only_known_warn, ""),
+        trial(
+            "a jump declared slow at any rate names its own".to_owned(),
+            warnings::any_rate_names_its_own,
+            JUMP,
+        ),
+        trial("only the captures that are known to warn do".to_owned(), warnings::only_known_warn, ""),
         trial("the back flip is doubtful".to_owned(), flip_is_doubtful, FLIP),
         trial("16_05 flies when it does".to_owned(), jump_flies, JUMP),
         trial("tips carry the push-off".to_owned(), tips_carry, WALKS[0]),
@@ -262,6 +252,13 @@ fn all_have_bodies(folder: &Path, _: &str) -> Result<(), Failed> {
     Ok(())
 }
 
+/// Largest distance of the centre of mass from the root along the clip, metres.
+fn farthest_center(own: &Performance) -> f64 {
+    let centers = centers_of_mass(&own.body, &link_places(&own.body, &own.posed));
+    let distances = centers.iter().zip(&own.clip.root_positions).map(|(center, root)| center.distance(*root));
+    distances.fold(0.0, f64::max)
+}
+
 /// Names of all motions below `folder`.
 fn motions(folder: &Path) -> Result<Vec<String>, Failed> {
     let mut names = Vec::new();
@@ -277,13 +274,6 @@ fn motions(folder: &Path) -> Result<Vec<String>, Failed> {
     Ok(names)
 }
 
-/// Largest distance of the centre of mass from the root along the clip, metres.
-fn farthest_center(own: &Performance) -> f64 {
-    let centers = centers_of_mass(&own.body, &link_places(&own.body, &own.posed));
-    let distances = centers.iter().zip(&own.clip.root_positions).map(|(center, root)| center.distance(*root));
-    distances.fold(0.0, f64::max)
-}
-
 fn only(checks: &[FlightCheck]) -> Result<FlightCheck, Failed> {
     let longest = checks.iter().max_by_key(|check| check.last - check.first);
     longest.copied().ok_or_else(|| "no flight".into())
@@ -294,32 +284,6 @@ fn too_slow_names_its_rate(folder: &Path, file: &str) -> Result<(), Failed> {
     let rate = check.mending_rate.unwrap_or(0.0);
     let is_told = check.is_doubtful() && (check.gravity - 2.4).abs() < 0.1 && (rate - 120.0).abs() < 2.0;
     if is_told { Ok(()) } else { Err(check.to_string().into()) }
-}
-
-fn any_rate_names_its_own(folder: &Path, file: &str) -> Result<(), Failed> {
-    for rate in TOO_SLOW {
-        let check = only(&load_as(folder, file, Some(rate), 1.0)?.stages.flights)?;
-        let mended = check.mending_rate.unwrap_or(0.0);
-        if !check.is_doubtful() || (mended - 120.0).abs() > 2.0 {
-            return Err(format!("{rate}: {check}").into());
-        }
-    }
-    Ok(())
-}
-
-fn only_known_warn(folder: &Path, _: &str) -> Result<(), Failed> {
-    let mut faults = Vec::new();
-    for file in motions(folder)? {
-        let own = load(folder, &file)?;
-        let doubtful: Vec<FlightCheck> =
-            own.stages.flights.into_iter().filter(FlightCheck::is_doubtful).collect();
-        let known = WARNING.iter().find(|(name, _)| *name == file).map_or(0, |(_, count)| *count);
-        let says = text(&doubtful);
-        if doubtful.len() != known || says.matches("labels, rate or scale doubtful").count() != known {
-            faults.push(format!("{file}: {known} expected of {says}"));
-        }
-    }
-    if faults.is_empty() { Ok(()) } else { Err(faults.join("\n").into()) }
 }
 
 fn too_large_names_its_scale(folder: &Path, file: &str) -> Result<(), Failed> {

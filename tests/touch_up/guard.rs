@@ -9,10 +9,10 @@ use cotillion::physics::ground::schedule::five_five_two;
 use cotillion::physics::ground::target::Target;
 use libtest_mimic::Failed;
 
+use crate::JOG;
 use crate::measure::mean;
-use crate::performance::load;
+use crate::performance::{load, verdict};
 use crate::performer::Edited;
-use crate::{JOG, verdict};
 
 /// All captures that are walked or run.
 pub(crate) const WALKED_OR_RUN: [&str; 47] = [

@@ -18,7 +18,7 @@ mod truths;
 mod untouched;
 
 use captures::{Run, mocap_folder};
-use libtest_mimic::{Arguments, Failed, Trial};
+use libtest_mimic::{Arguments, Trial};
 
 /// A straight walk, and a jog of the same person.
 const WALK: &str = "amc/cmu_16_15_walk_straight.amc";
@@ -63,9 +63,4 @@ fn tell(text: &str) {
     if std::env::var_os("COTILLION_TABLE").is_some() {
         eprintln!("{text}");
     }
-}
-
-/// All of `faults` as one, if there are any.
-fn verdict(faults: Vec<String>) -> Result<(), Failed> {
-    if faults.is_empty() { Ok(()) } else { Err(faults.join("\n").into()) }
 }

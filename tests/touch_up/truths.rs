@@ -6,9 +6,9 @@ use std::path::Path;
 use libtest_mimic::Failed;
 
 use crate::lean::{Strides, balancing, left, mean};
-use crate::performance::load;
+use crate::performance::{load, verdict};
 use crate::performer::Edited;
-use crate::{WALK, tell, verdict};
+use crate::{WALK, tell};
 
 /// Into the curve, or into the speed-up.
 const LEANS: [(&str, Direction); 3] = [
