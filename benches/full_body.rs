@@ -1,41 +1,26 @@
 //! Cost of bringing hands and feet where they must be, by frames: a walk of 31 joints on a bent and stretched path.
 
+mod many_joints;
+
 use std::sync::Arc;
 
-use cotillion::clip::builtin::generate;
 use cotillion::clip::working::{WORKING_STEP, WorkingClip};
 use cotillion::full_body::{BodyInput, Effector, PlantMode, Seams, Target, refine};
 use cotillion::geometry::{cis, plan_of, world_of, yaw};
-use cotillion::index::{JointId, SourceFrame};
+use cotillion::index::SourceFrame;
 use cotillion::skeleton::{JointRole, Pose, Skeleton};
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
-use glam::{DQuat, DVec3};
+use glam::DVec3;
+use many_joints::{with_fingers, with_still_fingers};
 
-/// Joints of the most common captured skeleton.
-const JOINTS: usize = 31;
-
-/// `frames` frames of a walk, laid onto an arc and stretched; fingers make the generated skeleton one of 31 joints.
+/// `frames` frames of a walk, laid onto an arc and stretched, of a skeleton of 31 joints.
 fn walk(frames: u32) -> (Skeleton, BodyInput) {
     // A walk has whole cycles: a little longer than asked for is enough, and the range cuts it.
-    let seconds = f64::from(frames) / 30.0 + 2.0;
-    let clip = generate("walk", &[("seconds".to_owned(), seconds)].into()).expect("a known clip");
+    let clip = many_joints::walk(f64::from(frames) / 30.0 + 2.0);
     let working = WorkingClip::new("walk", Arc::new(clip), SourceFrame(0), SourceFrame(frames - 1));
-    let mut skeleton = (*working.clip.skeleton).clone();
-    let hand = skeleton.joint_of(JointRole::RightHand).expect("the generated body has hands");
-    let mut finger = skeleton.joints[hand.as_usize()].clone();
-    finger.role = None;
-    finger.offset = DVec3::NEG_Y * 0.05;
-    while skeleton.joints.len() < JOINTS {
-        finger.parent = Some(JointId::from_usize(skeleton.joints.len() - 1));
-        skeleton.joints.push(finger.clone());
-    }
-    let rest: Vec<Pose> = (0..working.frame_count())
-        .map(|frame| {
-            let mut pose = working.pose(frame as f64);
-            pose.rotations.resize(JOINTS, DQuat::IDENTITY);
-            pose
-        })
-        .collect();
+    let skeleton = with_fingers(&working.clip.skeleton);
+    let pose = |frame: usize| with_still_fingers(working.pose(frame as f64));
+    let rest: Vec<Pose> = (0..working.frame_count()).map(pose).collect();
     let input = BodyInput {
         times: (0..rest.len()).map(|frame| frame as f64 * WORKING_STEP).collect(),
         moved: rest.iter().map(bent).collect(),

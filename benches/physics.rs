@@ -2,24 +2,22 @@
 //!
 //! The paper needed 0.108 s for 98 frames and three steps: 907 frames a second.
 
+mod many_joints;
+
 use std::sync::Arc;
 
 use cotillion::clip::Clip;
-use cotillion::clip::builtin::generate;
 use cotillion::clip::derived::bent;
-use cotillion::index::JointId;
 use cotillion::physics::body_model::{BodyModel, BodySettings, body_model};
 use cotillion::physics::ground::GroundSettings;
 use cotillion::physics::ground::target::{Source, Target};
 use cotillion::physics::posed::PosedClip;
 use cotillion::physics::stages::{StageSettings, Stages, stages};
 use cotillion::physics::touch_up::{TouchUpSettings, touch_up};
-use cotillion::skeleton::{JointRole, Pose};
+use cotillion::skeleton::Pose;
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
-use glam::{DQuat, DVec3};
+use many_joints::{with_fingers, with_still_fingers};
 
-/// Joints of the most common captured skeleton.
-const JOINTS: usize = 31;
 /// Frames per second of most captures.
 const RATE: f64 = 120.0;
 
@@ -30,27 +28,12 @@ struct Walk {
     source: Source,
 }
 
-/// `frames` frames of a walk on an arc of 3 m; fingers make the generated skeleton one of 31 joints.
+/// `frames` frames of a walk on an arc of 3 m, of a skeleton of 31 joints.
 fn walk(frames: usize) -> Walk {
-    let seconds = frames as f64 / RATE + 2.0;
-    let slow = generate("walk", &[("seconds".to_owned(), seconds)].into()).expect("a known clip");
-    let mut skeleton = (*slow.skeleton).clone();
-    let hand = skeleton.joint_of(JointRole::RightHand).expect("the generated body has hands");
-    let mut finger = skeleton.joints[hand.as_usize()].clone();
-    finger.role = None;
-    finger.offset = DVec3::NEG_Y * 0.05;
-    while skeleton.joints.len() < JOINTS {
-        finger.parent = Some(JointId::from_usize(skeleton.joints.len() - 1));
-        skeleton.joints.push(finger.clone());
-    }
-    let poses: Vec<Pose> = (0..frames)
-        .map(|frame| {
-            let mut pose = slow.sample(frame as f64 * slow.fps / RATE);
-            pose.rotations.resize(JOINTS, DQuat::IDENTITY);
-            pose
-        })
-        .collect();
-    let straight = Clip::from_poses("walk", Arc::new(skeleton), RATE, &poses);
+    let slow = many_joints::walk(frames as f64 / RATE + 2.0);
+    let pose = |frame: usize| with_still_fingers(slow.sample(frame as f64 * slow.fps / RATE));
+    let poses: Vec<Pose> = (0..frames).map(pose).collect();
+    let straight = Clip::from_poses("walk", Arc::new(with_fingers(&slow.skeleton)), RATE, &poses);
     let body = body_model(&straight.skeleton, &BodySettings::default()).expect("generated bodies are whole");
     let stages = stages(&straight, &body, &PosedClip::of(&straight), &StageSettings::default());
     let source = Source::of(&straight, &body, &stages);

@@ -9,8 +9,8 @@ use std::process::{Command, Output};
 use cotillion::edit::{Edit, Editor, Moved};
 use cotillion::embody::{Embodied, closed_groups, embody, embody_some};
 use cotillion::export::bvh::to_bvh;
-use cotillion::export::physics_report::{PhysicsReport, TouchedReport, physics_report};
-use cotillion::export::touch_up_report::JudgedReport;
+use cotillion::export::physics_report::{PhysicsReport, physics_report};
+use cotillion::export::touch_up_report::{JudgedReport, TouchUpPart};
 use cotillion::index::CharacterId;
 use cotillion::object_motion::object_motions;
 use cotillion::plausible::{NotTouched, TouchUps, embody_plausibly, make_plausible};
@@ -82,10 +82,10 @@ impl Finished {
     }
 
     /// What is told of the first one.
-    fn told(&self) -> TouchedReport {
+    fn told(&self) -> TouchUpPart {
         let first = CharacterId(0);
         match physics_report(&self.touch_ups[&first], &self.resampled.clips[0]) {
-            PhysicsReport::Touched(told) => *told,
+            PhysicsReport::Touched(told) => told.done,
             PhysicsReport::NotTouched { not_touched } => panic!("{not_touched}"),
         }
     }
@@ -215,7 +215,7 @@ fn a_clip_made_of_others_is_compared_with_them() {
         let text = text.replace("track = [\"walk\"]", &format!("track = [\"{track}\"]"));
         Finished::of(&format!("{text}{PHYSICS}{ON}schedule = \"uphill\"\n")).told()
     });
-    let source = |told: &TouchedReport| mean(told.ground.source.as_ref().expect("known"));
+    let source = |told: &TouchUpPart| mean(told.ground.source.as_ref().expect("known"));
     assert!((source(&level) - source(&climb)).abs() < OTHER_RATE);
     let miss = |judged: &JudgedReport| judged.miss.expect("carried over");
     assert!(miss(&level.ground.before) < STANDS, "a level walk is where it was");

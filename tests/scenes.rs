@@ -192,8 +192,9 @@ fn leans(scene: &Scene, touch_ups: &TouchUps, resampled: &Resampled) -> Result<(
             return Err(format!("{name} is not touched up").into());
         };
         let mean = |own: &JudgedReport| own.d.map_or(f64::NAN, |d| d.mean);
-        let [before, ground, result] = [&told.ground.before, &told.ground.after, &told.result].map(mean);
-        let most = if told.flights.is_empty() {
+        let [before, ground, result] =
+            [&told.done.ground.before, &told.done.ground.after, &told.done.result].map(mean);
+        let most = if told.done.flights.is_empty() {
             ground + UNDONE * (before - ground)
         } else {
             BESIDE_FLIGHTS * before

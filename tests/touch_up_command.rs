@@ -104,6 +104,22 @@ fn masses_are_told_with_what_the_motion_says_of_them() {
 }
 
 #[test]
+fn a_run_is_no_worse_at_6_hz_and_flights_are_flown_or_left() {
+    let home = tempfile::tempdir().expect("a temporary folder");
+    for arguments in
+        [&["builtin:run", "--bend", "4"][..], &["builtin:run", "--bend", "4", "--target", "carried"]]
+    {
+        let report = report(arguments, home.path());
+        // Rounding of a mean distance.
+        let most = number(&report, "/ground/before/d_6hz/mean") + 1e-9;
+        assert!(number(&report, "/result/d_6hz/mean") <= most, "{report:#}");
+        let flights = report["flights"].as_array().expect("flights");
+        assert!(!flights.is_empty(), "a run flies");
+        assert!(flights.iter().all(|flight| flight["left"] == flight["pass"].is_null()), "{flights:#?}");
+    }
+}
+
+#[test]
 fn all_bad_options_are_told_at_once() {
     let told = refused(&[WALK, "--bend", "-3", "--mass", "NaN", "--margin", "2", "--bvh-rate", "0"]);
     for option in ["--bend", "--mass", "--margin", "--bvh-rate"] {

@@ -86,7 +86,8 @@ fn of_many(report: &Report) -> String {
 /// How many were touched up, and what became of their mean distances.
 fn touched_many(all: &[CharacterReport]) -> String {
     let touched: Vec<&TouchedReport> = all.iter().filter_map(CharacterReport::touched).collect();
-    let pairs = touched.iter().filter_map(|own| Some([own.ground.before.d?.mean, own.result.d?.mean]));
+    let pairs =
+        touched.iter().filter_map(|own| Some([own.done.ground.before.d?.mean, own.done.result.d?.mean]));
     let pairs: Vec<[f64; 2]> = pairs.collect();
     if pairs.is_empty() {
         return String::new();
@@ -159,7 +160,7 @@ fn touched(character: &CharacterReport) -> Option<String> {
         PhysicsReport::NotTouched { not_touched } => {
             return Some(format!("{name} is not touched up: {not_touched}\n"));
         }
-        PhysicsReport::Touched(told) => told,
+        PhysicsReport::Touched(told) => &told.done,
     };
     let mean = |judged: &JudgedReport| judged.d.map_or("–".to_owned(), |d| format!("{:.1}", d.mean * 1e3));
     let ground = &told.ground;
@@ -174,6 +175,10 @@ fn touched(character: &CharacterReport) -> Option<String> {
     if let Some(change) = &told.largest_change {
         text +=
             &format!("; {} turns most, by {:.1}° at {:.2} s", change.joint, change.degrees, change.seconds);
+    }
+    let left = told.flights.iter().filter(|flight| flight.left).count();
+    if left > 0 {
+        text += &format!("; {left} flights stay as they came, since the motion would end worse at 6 Hz");
     }
     text += "\n";
     text.extend(told.doubts.iter().map(|doubt| format!("{name}: doubt: {doubt}\n")));

@@ -36,11 +36,14 @@ pub fn embody_again(
         upright.insert(who, std::mem::replace(&mut body.poses, poses));
     }
     if stage.scene.full_body.enabled {
-        let start = done.clone();
-        for round in rounds(stage, &embodied.members) {
-            let is_concerned = |group: &&Vec<CharacterId>| {
-                group.iter().any(|who| !known_by(stage, *who).is_disjoint(&concerned))
-            };
+        let is_concerned = |group: &&Vec<CharacterId>| {
+            group.iter().any(|who| !known_by(stage, *who).is_disjoint(&concerned))
+        };
+        let rounds = rounds(stage, &embodied.members);
+        let corrected_anew = rounds.iter().flatten().filter(is_concerned).flatten();
+        let start: BTreeMap<CharacterId, Body> =
+            corrected_anew.filter_map(|who| Some((*who, done.get(who)?.clone()))).collect();
+        for round in rounds {
             let make = |so_far: &SoFar<'_>, who: CharacterId| {
                 let body = &start[&who];
                 let hold = |before: &Vec<Pose>| hips(stage, who, &body.times, (before, &body.poses));
@@ -48,7 +51,7 @@ pub fn embody_again(
             };
             let turn = |group: &Vec<CharacterId>| in_turn(stage.performance, &done, group, &make);
             let bodies: Vec<(CharacterId, Body)> =
-                round.par_iter().filter(is_concerned).flat_map_iter(turn).collect();
+                round.par_iter().filter(&is_concerned).flat_map_iter(turn).collect();
             done.extend(bodies);
         }
     }

@@ -1,16 +1,16 @@
-//! What a touch-up did, for a report. Lengths in metres, angles in degrees, times in seconds; frames count from 0 at the first one
+//! What a touch-up did, of a clip or of somebody of a scene, for a report. Lengths in metres, angles in degrees, times in seconds; frames count from 0 at the first one
 //! of the result.
 
 use serde::Serialize;
 
 use crate::clip::Clip;
+use crate::export::flight_report::FlightPart;
+use crate::export::masses_report::BodyPart;
 use crate::index::JointId;
-use crate::physics::ballistics::FlightCheck;
-use crate::physics::body_model::{BodyModel, Segment};
+use crate::physics::body_model::BodyModel;
 use crate::physics::course::Course;
-use crate::physics::flight::report::FlightFacts;
-use crate::physics::ground::report::{GroundReport, JointChange, Judged, StepReport};
-use crate::physics::masses::{FlightFit, MassFit};
+use crate::physics::ground::report::{GroundReport, JointChange, Judged, StepReport, largest_change};
+use crate::physics::stages::Stages;
 use crate::physics::touch_up::TouchedUp;
 use crate::physics::zmp::DistanceSummary;
 
@@ -152,187 +152,6 @@ impl GroundPart {
     }
 }
 
-/// A flight, as it came and as it is.
-#[derive(Clone, Debug, Serialize)]
-pub struct FlightPart {
-    /// First frame in the air.
-    pub first: usize,
-    /// Last frame in the air.
-    pub last: usize,
-    /// Of the parabola nearest to the motion as it came, m/s²; `null` for a flight of less than 0.2 s.
-    pub gravity: Option<f64>,
-    /// Farthest from it.
-    pub residual: Option<f64>,
-    /// Whether labels, rate or scale are doubtful.
-    pub doubtful: bool,
-    /// Frames per second with which it would fall as bodies do.
-    pub mending_rate: Option<f64>,
-    /// Factor of all lengths with which it would.
-    pub mending_scale: Option<f64>,
-    /// What the flight pass did; `null` where it is left out.
-    pub pass: Option<FlightPassPart>,
-}
-
-/// What was done in the air. Pairs: before and after.
-#[derive(Clone, Debug, Serialize)]
-pub struct FlightPassPart {
-    /// Gravity of the result, m/s².
-    pub gravity: f64,
-    /// Angular momentum of the result about the centre of mass, kg m²/s.
-    pub momentum: f64,
-    /// Farthest of two successive frames from it, kg m²/s.
-    pub momentum_errors: [f64; 2],
-    /// Farthest of the centre of mass from its parabola.
-    pub center_errors: [f64; 2],
-    /// Largest turn of the body.
-    pub largest_turn: f64,
-    /// Newton steps on the momentum.
-    pub newton_steps: usize,
-    /// Distances in the half second on either side.
-    pub beside: [Option<DistanceReport>; 2],
-    /// The same at 6 Hz.
-    pub beside_6hz: [Option<DistanceReport>; 2],
-}
-
-impl FlightPart {
-    fn of_check(check: &FlightCheck) -> Self {
-        Self {
-            first: check.first,
-            last: check.last,
-            gravity: Some(check.gravity),
-            residual: Some(check.residual),
-            doubtful: check.is_doubtful(),
-            mending_rate: check.mending_rate,
-            mending_scale: check.mending_scale,
-            pass: None,
-        }
-    }
-
-    fn of_facts(facts: &FlightFacts) -> Self {
-        let check = facts.check.as_ref();
-        let bare = Self {
-            first: facts.first,
-            last: facts.last,
-            gravity: None,
-            residual: None,
-            doubtful: false,
-            mending_rate: None,
-            mending_scale: None,
-            pass: None,
-        };
-        let pass = FlightPassPart {
-            gravity: facts.gravity,
-            momentum: facts.momentum.length(),
-            momentum_errors: facts.momentum_errors,
-            center_errors: facts.center_errors,
-            largest_turn: facts.largest_turn.to_degrees(),
-            newton_steps: facts.newton_steps,
-            beside: facts.beside.map(|own| own.map(Into::into)),
-            beside_6hz: facts.beside_judged.map(|own| own.map(Into::into)),
-        };
-        Self { pass: Some(pass), ..check.map_or(bare, Self::of_check) }
-    }
-
-    /// Of the flight pass, or, where that is left out, of what `checks` say.
-    pub fn all(touched: &TouchedUp, checks: &[FlightCheck]) -> Vec<Self> {
-        if touched.flight.flights.is_empty() {
-            return checks.iter().map(Self::of_check).collect();
-        }
-        touched.flight.flights.iter().map(Self::of_facts).collect()
-    }
-}
-
-/// Mass of a segment, left and right together.
-#[derive(Clone, Debug, Serialize)]
-pub struct SegmentPart {
-    /// Its name.
-    pub segment: &'static str,
-    /// kg.
-    pub mass: f64,
-    /// Over the table's, where masses are estimated.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub factor: Option<f64>,
-}
-
-/// Where estimated masses come from.
-#[derive(Clone, Debug, Serialize)]
-pub struct EstimatePart {
-    /// `flight` or `ground`.
-    pub by: &'static str,
-    /// What the motion says of the masses, falling: what is small is not told by it. Metres of the centre of mass by flight, metres per
-    /// kilogram of zero moment points on the ground.
-    pub singular_values: Vec<f64>,
-    /// What is off, with the table's masses and with the new ones, metres: the centre of mass from its trajectory, zero moment
-    /// points from polygons.
-    pub off: [f64; 2],
-    /// Largest relative change of a segment.
-    pub largest_change: f64,
-    #[serde(skip)]
-    factors: Vec<(Segment, f64)>,
-}
-
-impl From<&FlightFit> for EstimatePart {
-    fn from(fit: &FlightFit) -> Self {
-        Self {
-            by: "flight",
-            singular_values: fit.singular_values.clone(),
-            off: fit.residuals,
-            largest_change: fit.largest_change(),
-            factors: fit.factors.clone(),
-        }
-    }
-}
-
-impl From<&MassFit> for EstimatePart {
-    fn from(fit: &MassFit) -> Self {
-        Self {
-            by: "ground",
-            singular_values: fit.singular_values.clone(),
-            off: fit.distances,
-            largest_change: fit.largest_change(),
-            factors: fit.factors.clone(),
-        }
-    }
-}
-
-/// The body that was reckoned with.
-#[derive(Clone, Debug, Serialize)]
-pub struct BodyPart {
-    /// `winter75` or `xiao2005`.
-    pub table: &'static str,
-    /// kg.
-    pub mass: f64,
-    /// By the length of the legs.
-    pub stature: f64,
-    /// Those that the body has.
-    pub segments: Vec<SegmentPart>,
-    /// Where masses are estimated.
-    pub estimate: Option<EstimatePart>,
-}
-
-impl BodyPart {
-    /// Of `body`, whose masses are from `table` or the `estimate`.
-    pub fn of(body: &BodyModel, table: &'static str, estimate: Option<EstimatePart>) -> Self {
-        let factor = |segment: Segment| {
-            let factors = &estimate.as_ref()?.factors;
-            factors.iter().find(|(own, _)| *own == segment).map(|(_, factor)| *factor)
-        };
-        let part = |(segment, mass): (Segment, f64)| SegmentPart {
-            segment: segment.name(),
-            mass,
-            factor: factor(segment),
-        };
-        let segments = Segment::ALL.into_iter().zip(body.segment_masses()).filter(|(_, mass)| *mass > 0.0);
-        Self {
-            table,
-            mass: body.mass,
-            stature: body.stature,
-            segments: segments.map(part).collect(),
-            estimate,
-        }
-    }
-}
-
 /// Frames to look at. Runs: first and last frame.
 #[derive(Clone, Debug, Default, Serialize)]
 pub struct FlaggedFrames {
@@ -368,6 +187,62 @@ fn runs_of(frames: &[usize]) -> Vec<[usize; 2]> {
     runs
 }
 
+/// What was done, whoever asked for it.
+#[derive(Clone, Debug, Serialize)]
+pub struct TouchUpPart {
+    /// The motion before the edit, the one that came to be touched up, and what the ground pass made of it.
+    pub ground: GroundPart,
+    /// Flights as they fell before the edit, and what the flight pass did.
+    pub flights: Vec<FlightPart>,
+    /// What is written: after both passes, in scenes hands and feet where they must be.
+    pub result: JudgedReport,
+    /// Joint that turned most on the way there; `null` where none did.
+    pub largest_change: Option<TurnReport>,
+    /// Frames to look at.
+    pub flagged_frames: FlaggedFrames,
+    /// What to think about before the result is used.
+    pub doubts: Vec<String>,
+}
+
+impl TouchUpPart {
+    /// Of what was `done` to the first clip. The second is what is written, `course` its measures; `stages`: of the motion that was edited.
+    pub fn of(
+        done: &TouchedUp,
+        [before, written]: [&Clip; 2],
+        (body, stages): (&BodyModel, &Stages),
+        course: &Course,
+    ) -> Self {
+        let flagged_frames = FlaggedFrames::of(course, &course.pulled_down, body.stature);
+        Self {
+            ground: GroundPart::of(&done.ground, before),
+            flights: FlightPart::all(done, &stages.flights),
+            result: JudgedReport::from(&Judged { distance: course.summaries, miss: None }),
+            largest_change: largest_change(before, written).map(|change| TurnReport::of(&change, before)),
+            doubts: doubts(stages, done, &flagged_frames),
+            flagged_frames,
+        }
+    }
+}
+
+/// What to think about before a touch-up is used. `stages`: of the motion that was edited.
+fn doubts(stages: &Stages, touched: &TouchedUp, flagged: &FlaggedFrames) -> Vec<String> {
+    let doubtful = stages.flights.iter().filter(|flight| flight.is_doubtful());
+    let mut doubts: Vec<String> = doubtful.map(ToString::to_string).collect();
+    let far = touched.flight.flights.iter().filter(|facts| facts.turns_far());
+    doubts.extend(far.map(|facts| {
+        let degrees = facts.largest_turn.to_degrees();
+        format!("the flight of frames {} to {} turns by {degrees:.0}°", facts.first, facts.last)
+    }));
+    if touched.ground.before.distance[0].is_none() {
+        doubts.push("nothing bears the body long enough to tell a zero moment point".to_owned());
+    }
+    if !flagged.pulled_down.is_empty() {
+        let count = flagged.pulled_down.len();
+        doubts.push(format!("labels: {count} stretches stand on the ground and are pulled down"));
+    }
+    doubts
+}
+
 /// `report.json` of a touch-up.
 #[derive(Clone, Debug, Serialize)]
 #[expect(missing_docs, reason = "the names say it")]
@@ -385,15 +260,8 @@ pub struct TouchUpReport {
     pub edits: Vec<String>,
     pub settings: SettingsPart,
     pub body: BodyPart,
-    pub ground: GroundPart,
-    pub flights: Vec<FlightPart>,
-    /// The result after both passes.
-    pub result: JudgedReport,
-    /// Joint that turned most in both passes together.
-    pub largest_change: Option<TurnReport>,
-    pub flagged_frames: FlaggedFrames,
-    /// What to think about before the result is used.
-    pub doubts: Vec<String>,
+    #[serde(flatten)]
+    pub done: TouchUpPart,
     /// What the reader had to guess.
     pub notes: Vec<String>,
     pub files: Vec<String>,

@@ -3,7 +3,7 @@
 //! [`body_model`] gives every skeleton links with masses; [`posed`] has their places along time; [`derivatives`] filters and
 //! differentiates them; [`support`] has polygons; [`sole`] finds the soles of the feet in a clip; [`stages`] tells ground from
 //! flight; [`zmp`] has the zero moment point and its distance to the polygon; [`masses`] fits masses to motion that is known to
-//! be physical; [`ground`] turns bodies so that the ground can bear them; [`flight`] makes flights fall as bodies do; [`touch_up`] is all
+//! be physical; [`input`] is what both passes need; [`ground`] turns bodies so that the ground can bear them; [`flight`] makes flights fall as bodies do; [`touch_up`] is all
 //! of the touch-up; [`blended_source`] knows where zero moment points of blends were; [`course`] has what it changes, frame by frame.
 //!
 //! Plan points here are `(x, z)` of the world (a mirrored plan: counter-clockwise here is clockwise seen from above).
@@ -20,6 +20,7 @@ pub mod ballistics;
 pub mod stages;
 pub mod zmp;
 pub mod masses;
+pub mod input;
 pub mod ground;
 pub mod flight;
 pub mod touch_up;

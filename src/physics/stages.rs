@@ -97,7 +97,7 @@ pub struct Stages {
     pub supports: Vec<Support>,
     /// One a frame.
     pub phases: Vec<Phase>,
-    /// What flights of 0.2 s or more fall like.
+    /// What flights of 0.2 s or more fall like; of those that an end of the clip cuts off too little is seen to tell.
     pub flights: Vec<FlightCheck>,
 }
 
@@ -238,13 +238,30 @@ fn phases(supports: &[Support], touches: &[bool], settings: &StageSettings) -> V
     (0..flies.len()).map(phase).collect()
 }
 
-/// A body that falls slower than this is held by something unseen, m/s²: a seat, a bar, a step that feet do not show.
-const LEAST_GRAVITY: f64 = 1.0;
+/// A body that falls slower than this is held by something unseen, m/s²: a seat, a bar. Nobody declares a sixth of the right rate.
+const LEAST_GRAVITY: f64 = 0.25;
+/// So is one that falls slower than this, m/s² …
+const SLOW_GRAVITY: f64 = 2.0;
+/// … without rising and sinking by this on the way, metres: it steps down where feet do not show the step, or turns on the ball of a foot.
+/// Who jumps rises as high at any rate of frames.
+const LEAST_HOP: f64 = 0.1;
+
+/// How far a body rises after the first of these heights of its centre of mass and sinks before the last, whichever is less; metres.
+fn hop(heights: &[f64]) -> f64 {
+    let top = heights.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    let below = |end: Option<&f64>| end.map_or(0.0, |end| top - end);
+    below(heights.first()).min(below(heights.last()))
+}
 
 impl Stages {
     /// Runs of frames in flight: first and last of each.
     pub fn flight_runs(&self) -> Vec<(usize, usize)> {
         runs(&self.phases.iter().map(|phase| *phase == Phase::Flight).collect::<Vec<_>>())
+    }
+
+    /// What the flight in the frames `run` ([`Self::flight_runs`]) falls like, if that is known.
+    pub fn check_of(&self, run: (usize, usize)) -> Option<FlightCheck> {
+        self.flights.iter().find(|check| (check.first, check.last) == run).copied()
     }
 
     /// World places of all points that support in one frame, metres.
@@ -294,9 +311,11 @@ impl Stages {
         let heights: Vec<f64> = centers.iter().map(|center| center.y).collect();
         for (first, last) in self.flight_runs() {
             let Some(check) = check_flight(&heights, (first, last), posed.fps) else { continue };
-            if check.gravity < LEAST_GRAVITY {
+            let is_whole = first > 0 && last + 1 < heights.len();
+            let hops = is_whole && hop(&heights[first..=last]) >= LEAST_HOP;
+            if check.gravity < LEAST_GRAVITY || (check.gravity < SLOW_GRAVITY && !hops) {
                 self.phases[first..=last].fill(Phase::Touch);
-            } else {
+            } else if is_whole {
                 self.flights.push(check);
             }
         }

@@ -3,7 +3,8 @@
 use cotillion::clip::Clip;
 use cotillion::geometry::{exp, log, yaw};
 use cotillion::physics::GRAVITY;
-use cotillion::physics::flight::{FlightError, FlightSettings, Flown, MomentumTarget, fly, halves_in_turn};
+use cotillion::physics::flight::{FlightSettings, Flown, MomentumTarget, fly, halves_in_turn};
+use cotillion::physics::input::InputError;
 use cotillion::physics::posed::{PosedClip, centers_of_mass, link_places};
 use cotillion::physics::stages::{Phase, Stages};
 use glam::{DQuat, DVec3};
@@ -258,12 +259,12 @@ fn what_is_no_number_is_an_error() {
     let mut broken = clip();
     broken.rotations[7] = DQuat::from_xyzw(f64::NAN, 0.0, 0.0, 1.0);
     let refused = fly(&broken, &body(), &stages(&[AIR]), &FlightSettings::default());
-    assert_eq!(refused, Err(FlightError::NotFinite { what: "every rotation" }));
+    assert_eq!(refused, Err(InputError::NotFinite { what: "every rotation" }));
     let settings = FlightSettings { fade: f64::INFINITY, ..FlightSettings::default() };
     let refused = fly(&clip(), &body(), &stages(&[AIR]), &settings);
-    assert_eq!(refused, Err(FlightError::NotFinite { what: "the fade" }));
+    assert_eq!(refused, Err(InputError::NotFinite { what: "the fade" }));
     let mut short = stages(&[AIR]);
     short.phases.pop();
     let refused = fly(&clip(), &body(), &short, &FlightSettings::default());
-    assert_eq!(refused, Err(FlightError::OtherStages { stages: FRAMES - 1, frames: FRAMES }));
+    assert_eq!(refused, Err(InputError::OtherStages { stages: FRAMES - 1, frames: FRAMES }));
 }

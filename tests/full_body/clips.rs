@@ -5,13 +5,13 @@ use std::sync::Arc;
 
 use cotillion::clip::contacts::Contacts;
 use cotillion::clip::contacts::annotated::{AnnotatedContact, point_named};
-use cotillion::clip::file::read_file;
-use cotillion::clip::read::ReadOptions;
 use cotillion::clip::working::{WORKING_STEP, WorkingClip};
 use cotillion::geometry::plan_of;
 use cotillion::index::{SourceFrame, floor_index};
 use cotillion::skeleton::{Pose, Skeleton};
 use libtest_mimic::Failed;
+
+use crate::captures::read_at_own_rate;
 
 /// Every clip whose name or description in the manifest says walk, run, jog or turn (dives and jumps between runs too).
 pub(crate) const CLIPS: [&str; 45] = [
@@ -111,11 +111,6 @@ pub(crate) const ON_HANDS: [(&str, OnHands); 5] = [
     ("deepmimic/humanoid3d_cartwheel.txt", &[("left_hand", 65, 82), ("right_hand", 76, 96)]),
 ];
 
-/// Headers of these say 24 frames a second, and are wrong: played so, bodies fall slower than they do.
-const WRONG_RATE: &str = "snu_";
-/// What they were captured at.
-const RIGHT_RATE: f64 = 30.0;
-
 /// A clip, on working frames or on its own.
 pub(crate) struct Walk {
     pub(crate) working: WorkingClip,
@@ -163,11 +158,7 @@ pub(crate) struct Stretch<'a> {
 }
 
 pub(crate) fn load(folder: &Path, file: &str) -> Result<Walk, Failed> {
-    let path = folder.join(file);
-    let read = read_file(&path, None, &ReadOptions::default())?;
-    let is_wrong = file.contains(WRONG_RATE) && (read.header_fps - 24.0).abs() < 0.01;
-    let options = ReadOptions { fps: is_wrong.then_some(RIGHT_RATE), ..ReadOptions::default() };
-    let mut clip = if is_wrong { read_file(&path, None, &options)?.clip } else { read.clip };
+    let mut clip = read_at_own_rate(folder, file)?;
     let stated = ON_HANDS.iter().find(|(name, _)| *name == file).map_or(&[][..], |(_, stated)| stated);
     for (joint, from, to) in stated {
         let point = point_named(&clip.skeleton, joint)?;

@@ -5,6 +5,8 @@
 //! by name. With `$COTILLION_TABLE` set, every measure is printed.
 
 mod bend;
+#[path = "../captures/mod.rs"]
+mod captures;
 mod clips;
 mod hands;
 mod measure;
@@ -14,14 +16,15 @@ mod stride;
 mod tear;
 
 use std::f64::consts::FRAC_PI_2;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use bend::{Bend, bent};
+use captures::{Run, mocap_folder};
 use clips::{CLIPS, ON_HANDS, OTHERS, RAISED, Stretch, WINDING, Walk, load, stretches};
 use cotillion::full_body::{BodyInput, PlantMode, PlantedPoint, Refined, Seams, refine};
 use cotillion::skeleton::Pose;
 use hands::{bears_on_hands, reaches};
-use libtest_mimic::{Arguments, Failed, Trial};
+use libtest_mimic::{Arguments, Failed};
 use measure::{
     below_ground, beyond_limits, bone_change, height_change, knee_acceleration, largest_change, slide,
 };
@@ -78,14 +81,8 @@ fn main() {
     let arguments = Arguments::from_args();
     let folder = mocap_folder();
     let mut trials = Vec::new();
-    let mut push = |name: String, run: fn(&Path, &str) -> Result<(), Failed>, file: &'static str| {
-        let folder = folder.clone();
-        let is_missing = folder.is_none();
-        let trial = Trial::test(name, move || match folder {
-            Some(folder) => run(&folder, file),
-            None => Err("no captures found".into()),
-        });
-        trials.push(trial.with_ignored_flag(is_missing));
+    let mut push = |name: String, run: Run, file: &'static str| {
+        trials.push(captures::trial(folder.as_deref(), name, run, file));
     };
     for file in CLIPS.into_iter().chain(OTHERS) {
         push(
@@ -152,12 +149,6 @@ fn main() {
         push(format!("{file} can be bent as a whole unless it winds"), is_bent_whole, file);
     }
     libtest_mimic::run(&arguments, trials).exit();
-}
-
-fn mocap_folder() -> Option<PathBuf> {
-    let beside = Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/mocap");
-    let set = std::env::var_os("COTILLION_MOCAP").map(PathBuf::from);
-    [set, Some(beside)].into_iter().flatten().find(|folder| folder.is_dir())
 }
 
 fn refined(stretch: &Stretch, moved: &[Pose], mode: PlantMode) -> Refined {

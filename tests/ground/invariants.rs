@@ -12,6 +12,7 @@ use cotillion::physics::ground::parts::{JointMotion, Part, link_sets};
 use cotillion::physics::ground::schedule::{Step, level};
 use cotillion::physics::ground::target::{Source, Target};
 use cotillion::physics::ground::{GroundError, GroundSettings, ground_pass};
+use cotillion::physics::input::InputError;
 use cotillion::physics::posed::PosedClip;
 use cotillion::physics::stages::{StageSettings, Stages, stages};
 use glam::{DQuat, DVec3};
@@ -160,12 +161,18 @@ fn what_does_not_fit_together_is_told() {
     assert!(matches!(run(&act, None, &settings), Err(GroundError::Step { step: 2, .. })));
     let endless = Step { width: f64::INFINITY, ..Step::lower() };
     let settings = GroundSettings { schedule: vec![endless], ..GroundSettings::default() };
-    assert!(matches!(run(&act, None, &settings), Err(GroundError::NotFinite { .. })));
+    assert!(matches!(run(&act, None, &settings), Err(GroundError::Input(InputError::NotFinite { .. }))));
     let mut broken = Act::on_an_arc(2.0);
     broken.clip.rotations[5] = DQuat::from_xyzw(f64::NAN, 0.0, 0.0, 1.0);
-    assert!(matches!(run(&broken, None, &GroundSettings::default()), Err(GroundError::NotFinite { .. })));
+    assert!(matches!(
+        run(&broken, None, &GroundSettings::default()),
+        Err(GroundError::Input(InputError::NotFinite { .. }))
+    ));
     broken.stages.phases.pop();
-    assert!(matches!(run(&broken, None, &GroundSettings::default()), Err(GroundError::OtherStages { .. })));
+    assert!(matches!(
+        run(&broken, None, &GroundSettings::default()),
+        Err(GroundError::Input(InputError::OtherStages { .. }))
+    ));
 }
 
 #[test]

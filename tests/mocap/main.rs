@@ -3,15 +3,17 @@
 //! Looks in `$COTILLION_MOCAP`, else in `../shared/mocap` beside the checkout; where neither exists every test is ignored,
 //! by name.
 
+#[path = "../captures/mod.rs"]
+mod captures;
 mod facts;
 mod files;
 mod odd;
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::sync::Arc;
 
+use captures::{Run, mocap_folder};
 use cotillion::clip::Clip;
-
 use cotillion::clip::contacts::{Contacts, runs};
 use cotillion::clip::file::read_file;
 use cotillion::clip::inspect::{facts_text, inspect};
@@ -24,7 +26,7 @@ use cotillion::index::SourceFrame;
 use cotillion::metrics::foot_slide_working;
 use facts::{facts_agree, manifest_is_covered, skeleton_agrees};
 use files::{MOTIONS, ODD, SKELETONS};
-use libtest_mimic::{Arguments, Failed, Trial};
+use libtest_mimic::{Arguments, Failed};
 use odd::verdict_agrees;
 
 /// Stretches of a clip on working frames, first and last.
@@ -78,15 +80,8 @@ const ROUND_TRIP_DEGREES: f64 = 1e-8;
 fn main() {
     let arguments = Arguments::from_args();
     let folder = mocap_folder();
-    let trial = |name: String, run: fn(&Path, &str) -> Result<(), Failed>, file: &'static str| {
-        let folder = folder.clone();
-        let is_missing = folder.is_none();
-        Trial::test(name, move || match folder {
-            Some(folder) => run(&folder, file),
-            None => Err("no captures found".into()),
-        })
-        .with_ignored_flag(is_missing)
-    };
+    let trial =
+        |name: String, run: Run, file: &'static str| captures::trial(folder.as_deref(), name, run, file);
     let mut trials = Vec::new();
     for file in MOTIONS {
         trials.push(trial(format!("{file} loads to the manifest's facts"), facts_agree, file));
@@ -123,12 +118,6 @@ fn main() {
     }
     trials.push(trial("the manifest has no other files".to_owned(), manifest_is_covered, ""));
     libtest_mimic::run(&arguments, trials).exit();
-}
-
-fn mocap_folder() -> Option<PathBuf> {
-    let beside = Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/mocap");
-    let set = std::env::var_os("COTILLION_MOCAP").map(PathBuf::from);
-    [set, Some(beside)].into_iter().flatten().find(|folder| folder.is_dir())
 }
 
 /// The clip of a file below the captures' folder; the odd run of subject 9 goes by that subject's skeleton.

@@ -3,22 +3,27 @@
 //! Looks in `$COTILLION_MOCAP`, else in `../shared/mocap` beside the checkout; where neither exists every test is ignored,
 //! by name.
 
-mod performer;
+#[path = "../captures/mod.rs"]
+mod captures;
+#[path = "../captures/performance.rs"]
+mod performance;
+mod warnings;
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
-use cotillion::clip::read::ReadOptions;
+use captures::{Run, mocap_folder};
 use cotillion::physics::ballistics::FlightCheck;
 use cotillion::physics::body_model::Segment;
 use cotillion::physics::derivatives::Filter;
 use cotillion::physics::masses::{
     FlightMassSettings, MassMethod, MassSettings, masses_from_flight, masses_from_ground,
 };
+use cotillion::physics::posed::{centers_of_mass, link_places};
 use cotillion::physics::sole::{Sole, SolePart};
 use cotillion::physics::stages::{Bearer, Phase};
 use cotillion::physics::zmp::{ForceSettings, balances, distance_summary, link_forces};
-use libtest_mimic::{Arguments, Failed, Trial};
-use performer::{Performance, load, load_as, motions};
+use libtest_mimic::{Arguments, Failed};
+use performance::{Performance, load, load_as};
 
 /// Mean distances of zero moment points from polygons as captured, millimetres: by the Gaussian and by the judge, as a prototype of these
 /// modules measured them, and by how much of them these may differ.
@@ -38,7 +43,8 @@ const DISTANCES: [(&str, f64, Option<f64>); 8] = [
 /// See [`DISTANCES`].
 const DIFFERENCE: f64 = 0.2;
 
-/// Captures of runs and of a walk whose floor drifts: labels decide here, so that only the order of magnitude is asked for.
+/// Captures of runs and of a walk whose floor drifts: labels decide here, so that only the order of magnitude is asked for. Were points of
+/// soles gone at 0.7 m/s, not at 0.4, the jog 16_35 would be at 20.7 mm and `mass_walk` at 23.2; with points below 2 cm, not 3, 127_04 at 7.1.
 const ROUGH_DISTANCES: [(&str, f64); 6] = [
     ("amc/cmu_127_04_walk_to_run_transition.amc", 6.2),
     ("amc/cmu_16_35_jog_straight.amc", 21.0),
@@ -97,19 +103,18 @@ const FLIP: &str = "bvh/mass_backflip.bvh";
 fn main() {
     let arguments = Arguments::from_args();
     let folder = mocap_folder();
-    let trial = |name: String, run: fn(&Path, &str) -> Result<(), Failed>, file: &'static str| {
-        let folder = folder.clone();
-        let is_missing = folder.is_none();
-        Trial::test(name, move || match folder {
-            Some(folder) => run(&folder, file),
-            None => Err("no captures found".into()),
-        })
-        .with_ignored_flag(is_missing)
-    };
+    let trial =
+        |name: String, run: Run, file: &'static str| captures::trial(folder.as_deref(), name, run, file);
     let mut trials = vec![
         trial("every flavour of skeleton has a body".to_owned(), all_have_bodies, ""),
         trial("a jump declared too slow names its rate".to_owned(), too_slow_names_its_rate, JUMP),
         trial("a jump in another unit names its scale".to_owned(), too_large_names_its_scale, JUMP),
+        trial(
+            "a jump declared slow at any rate names its own".to_owned(),
+            warnings::any_rate_names_its_own,
+            JUMP,
+        ),
+        trial("only the captures that are known to warn do".to_owned(), warnings::only_known_warn, ""),
         trial("the back flip is doubtful".to_owned(), flip_is_doubtful, FLIP),
         trial("16_05 flies when it does".to_owned(), jump_flies, JUMP),
         trial("tips carry the push-off".to_owned(), tips_carry, WALKS[0]),
@@ -137,12 +142,6 @@ fn main() {
         trials.push(trial(format!("{file} has the soles measured"), clearances_agree, file));
     }
     libtest_mimic::run(&arguments, trials).exit();
-}
-
-fn mocap_folder() -> Option<PathBuf> {
-    let beside = Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/mocap");
-    let set = std::env::var_os("COTILLION_MOCAP").map(PathBuf::from);
-    [set, Some(beside)].into_iter().flatten().find(|folder| folder.is_dir())
 }
 
 /// Mean distance, millimetres.
@@ -198,11 +197,9 @@ fn falls_as_bodies_do(folder: &Path, file: &str) -> Result<(), Failed> {
     if !whole.is_empty() && whole.iter().all(is_right) { Ok(()) } else { Err(text(&whole).into()) }
 }
 
-/// The last flight of a run over an obstacle is cut off by the clip's end; hops are shorter than the jumps that were measured.
+/// Hops are shorter than the jumps that were measured.
 fn is_whole(file: &str, check: &FlightCheck) -> bool {
-    let is_cut_off = file.contains("127_25") && check.first > 150;
-    let is_hop = file.contains("49_02") && check.last - check.first < 40;
-    !is_cut_off && !is_hop
+    !(file.contains("49_02") && check.last - check.first < 40)
 }
 
 fn clearances_agree(folder: &Path, file: &str) -> Result<(), Failed> {
@@ -243,16 +240,38 @@ fn all_have_bodies(folder: &Path, _: &str) -> Result<(), Failed> {
         let own = load(folder, &file)?;
         let masses = own.body.segment_masses();
         let sum: f64 = masses.iter().sum();
-        let is_whole = masses.iter().all(|mass| *mass > 0.0) || own.has_one_trunk_link();
+        let is_whole = masses.iter().all(|mass| *mass > 0.0) || is_missing(Segment::Abdomen, &own);
         // People of the captures are between 1.55 and 1.9 m tall.
         if (sum - 75.0).abs() > 1e-9 || !is_whole || !(1.55..1.9).contains(&own.body.stature) {
             return Err(format!("{file}: {masses:?} kg, {} m", own.body.stature).into());
         }
-        if own.stages.soles.len() != 2 || own.farthest_center() > 0.35 {
-            return Err(format!("{file}: centre of mass {} m from the hips", own.farthest_center()).into());
+        if own.stages.soles.len() != 2 || farthest_center(&own) > 0.35 {
+            return Err(format!("{file}: centre of mass {} m from the hips", farthest_center(&own)).into());
         }
     }
     Ok(())
+}
+
+/// Largest distance of the centre of mass from the root along the clip, metres.
+fn farthest_center(own: &Performance) -> f64 {
+    let centers = centers_of_mass(&own.body, &link_places(&own.body, &own.posed));
+    let distances = centers.iter().zip(&own.clip.root_positions).map(|(center, root)| center.distance(*root));
+    distances.fold(0.0, f64::max)
+}
+
+/// Names of all motions below `folder`.
+fn motions(folder: &Path) -> Result<Vec<String>, Failed> {
+    let mut names = Vec::new();
+    for kind in ["amc", "bvh", "deepmimic"] {
+        for entry in std::fs::read_dir(folder.join(kind))? {
+            let name = entry?.file_name().to_string_lossy().into_owned();
+            if !name.ends_with(".asf") {
+                names.push(format!("{kind}/{name}"));
+            }
+        }
+    }
+    names.sort();
+    Ok(names)
 }
 
 fn only(checks: &[FlightCheck]) -> Result<FlightCheck, Failed> {
@@ -261,15 +280,14 @@ fn only(checks: &[FlightCheck]) -> Result<FlightCheck, Failed> {
 }
 
 fn too_slow_names_its_rate(folder: &Path, file: &str) -> Result<(), Failed> {
-    let options = ReadOptions { fps: Some(60.0), ..ReadOptions::default() };
-    let check = only(&load_as(folder, file, &options, 1.0)?.stages.flights)?;
+    let check = only(&load_as(folder, file, Some(60.0), 1.0)?.stages.flights)?;
     let rate = check.mending_rate.unwrap_or(0.0);
     let is_told = check.is_doubtful() && (check.gravity - 2.4).abs() < 0.1 && (rate - 120.0).abs() < 2.0;
     if is_told { Ok(()) } else { Err(check.to_string().into()) }
 }
 
 fn too_large_names_its_scale(folder: &Path, file: &str) -> Result<(), Failed> {
-    let check = only(&load_as(folder, file, &ReadOptions::default(), 2.54)?.stages.flights)?;
+    let check = only(&load_as(folder, file, None, 2.54)?.stages.flights)?;
     let scale = check.mending_scale.unwrap_or(0.0);
     let is_told =
         check.is_doubtful() && (check.gravity - 24.6).abs() < 1.0 && (scale * 2.54 - 1.0).abs() < 0.03;
@@ -350,6 +368,6 @@ fn flips_tell_no_masses(folder: &Path, file: &str) -> Result<(), Failed> {
 }
 
 /// Segments of one trunk link have no abdomen of their own.
-pub(crate) fn is_missing(segment: Segment, own: &Performance) -> bool {
+fn is_missing(segment: Segment, own: &Performance) -> bool {
     own.body.links.iter().all(|link| link.segment != segment)
 }

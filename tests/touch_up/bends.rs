@@ -9,8 +9,9 @@ use libtest_mimic::Failed;
 
 use crate::lean::{Strides, balancing, left, mean};
 use crate::measure::{Done, falls_at_every_step, ratios};
-use crate::performer::{Edited, load};
-use crate::{WALK, tell, verdict};
+use crate::performance::{load, verdict};
+use crate::performer::Edited;
+use crate::{WALK, tell};
 
 /// To the left and to the right, metres.
 const RADII: [f64; 6] = [2.0, -2.0, 3.0, -3.0, 4.0, -4.0];

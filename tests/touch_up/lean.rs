@@ -44,6 +44,12 @@ impl Strides {
         on_plan(self.raw[to] - self.raw[from])
     }
 
+    /// Angle at which the centre of mass, averaged, climbs from one frame to another, radians.
+    pub(crate) fn climb(&self, from: usize, to: usize) -> f64 {
+        let way = self.centers[to] - self.centers[from];
+        way.y.atan2(on_plan(way).length())
+    }
+
     /// Frames of whole strides, at least `margin` frames from both ends.
     pub(crate) fn frames(&self, margin: usize) -> std::ops::Range<usize> {
         let from = self.half + margin;

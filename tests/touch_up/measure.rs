@@ -2,9 +2,11 @@
 
 use cotillion::clip::Clip;
 use cotillion::physics::derivatives::Filter;
+use cotillion::physics::flight::FlightSettings;
 use cotillion::physics::ground::report::{GroundReport, Judged};
 use cotillion::physics::ground::{GroundSettings, ground_pass};
 use cotillion::physics::posed::PosedClip;
+use cotillion::physics::touch_up::{TouchUpSettings, TouchedUp, touch_up};
 use cotillion::physics::zmp::{ForceSettings, balances, distance_summary, link_forces};
 use libtest_mimic::Failed;
 
@@ -87,6 +89,38 @@ impl Edited {
             }
         }
         Ok(Done { clip, report })
+    }
+
+    /// Touches up on the ground and in the air, and checks that the judge sees nothing become worse, and that flights that are left
+    /// are as the ground pass leaves them.
+    pub(crate) fn touched_up_whole(&self, name: &str, ground: &GroundSettings) -> Result<TouchedUp, Failed> {
+        let with = |flight: Option<FlightSettings>| {
+            let settings = TouchUpSettings { ground: ground.clone(), flight };
+            touch_up(&self.clip, &self.body, &self.stages, self.source.as_ref(), &settings)
+        };
+        let done = with(Some(FlightSettings::default()))?;
+        let [before, after] = [&self.clip, &done.clip].map(|clip| self.distances(clip)[1]);
+        let left = &done.flight.left;
+        tell(&format!(
+            "{name}, whole: judge {before:.2} -> {:.2} on the ground -> {after:.2} mm; {} flights, {} left",
+            mean(&done.ground.after, 1),
+            done.flight.flights.len(),
+            left.len()
+        ));
+        if after > before + ROUNDING * 1e3 {
+            return Err(format!("{name}: in the air the judge saw {before} become {after} mm").into());
+        }
+        let grounded = with(None)?.clip;
+        let joints = self.clip.skeleton.joints.len();
+        let is_left = |frame: usize| {
+            let own = frame * joints..(frame + 1) * joints;
+            done.clip.root_positions[frame] == grounded.root_positions[frame]
+                && done.clip.rotations[own.clone()] == grounded.rotations[own]
+        };
+        match left.iter().flat_map(|flight| flight.first..=flight.last).find(|frame| !is_left(*frame)) {
+            Some(frame) => Err(format!("{name}: frame {frame} of a flight that is left has changed").into()),
+            None => Ok(done),
+        }
     }
 
     /// Mean distances by both filters, millimetres, by the route that knows nothing of touch-ups.

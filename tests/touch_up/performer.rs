@@ -1,54 +1,18 @@
-//! Captures with bodies and stages, and edits of them.
+//! Edits of captures.
 
 use std::ops::Range;
-use std::path::Path;
 use std::sync::Arc;
 
 use cotillion::clip::Clip;
 use cotillion::clip::derived::{Share, bent, blended, tilted};
-use cotillion::clip::file::read_file;
 use cotillion::clip::gait::gait;
-use cotillion::clip::read::ReadOptions;
 use cotillion::clip::working::WorkingClip;
-use cotillion::index::SourceFrame;
-use cotillion::physics::body_model::{BodyModel, BodySettings, body_model};
+use cotillion::physics::body_model::BodyModel;
 use cotillion::physics::ground::target::Source;
-use cotillion::physics::posed::PosedClip;
-use cotillion::physics::stages::{StageSettings, Stages, stages};
+use cotillion::physics::stages::Stages;
 use libtest_mimic::Failed;
 
-/// Headers of these say 24 frames a second, and are wrong: played so, bodies fall slower than they do.
-const WRONG_RATE: &str = "snu_";
-/// What they were captured at.
-const RIGHT_RATE: f64 = 30.0;
-
-/// A capture and what physics says of it.
-#[derive(Clone)]
-pub(crate) struct Performance {
-    pub(crate) clip: Clip,
-    pub(crate) body: BodyModel,
-    pub(crate) stages: Stages,
-}
-
-/// The usable frames of a file.
-pub(crate) fn load(folder: &Path, file: &str) -> Result<Performance, Failed> {
-    let path = folder.join(file);
-    let header = read_file(&path, None, &ReadOptions::default())?.header_fps;
-    let is_wrong = file.contains(WRONG_RATE) && (header - 24.0).abs() < 0.01;
-    let options = ReadOptions { fps: is_wrong.then_some(RIGHT_RATE), ..ReadOptions::default() };
-    let clip = read_file(&path, None, &options)?.clip;
-    let (first, last) = clip.usable;
-    let poses: Vec<_> = (first.0..=last.0).map(|frame| clip.pose(SourceFrame(frame))).collect();
-    Performance::of(Clip::from_poses(&clip.name, clip.skeleton.clone(), clip.fps, &poses))
-}
-
-impl Performance {
-    pub(crate) fn of(clip: Clip) -> Result<Self, Failed> {
-        let body = body_model(&clip.skeleton, &BodySettings::default())?;
-        let stages = stages(&clip, &body, &PosedClip::of(&clip), &StageSettings::default());
-        Ok(Self { clip, body, stages })
-    }
-}
+use crate::performance::Performance;
 
 /// An edit of a capture. Labels are those of the capture, but of blends.
 #[derive(Clone)]
@@ -61,7 +25,7 @@ pub(crate) struct Edited {
 
 impl Edited {
     pub(crate) fn untouched(capture: &Performance) -> Self {
-        let Performance { clip, body, stages } = capture.clone();
+        let Performance { clip, body, stages, .. } = capture.clone();
         let source = Some(Source::of(&clip, &body, &stages));
         Self { clip, body, stages, source }
     }
@@ -80,7 +44,7 @@ impl Edited {
         let is_mixed = |share: &&Share| share.weight <= 0.0;
         let first = blend.shares.iter().take_while(is_mixed).count();
         let cycle = first..blend.alone_from().as_usize();
-        let Performance { clip, body, stages } = Performance::of(blend.clip)?;
+        let Performance { clip, body, stages, .. } = Performance::of(blend.clip)?;
         Ok((Self { clip, body, stages, source: None }, cycle))
     }
 

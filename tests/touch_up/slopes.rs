@@ -9,7 +9,8 @@ use libtest_mimic::Failed;
 
 use crate::lean::{Strides, mean};
 use crate::measure::{Done, falls_at_every_step, ratios};
-use crate::performer::{Edited, load};
+use crate::performance::load;
+use crate::performer::Edited;
 use crate::{WALK, tell};
 
 /// Degrees.

@@ -9,7 +9,8 @@ use libtest_mimic::Failed;
 
 use crate::lean::{Strides, balancing};
 use crate::measure::{Done, falls_at_every_step, mean as distance, ratios};
-use crate::performer::{Edited, load};
+use crate::performance::load;
+use crate::performer::Edited;
 use crate::{JOG, WALK, tell};
 
 pub(crate) fn nine_steps(folder: &Path, _: &str) -> Result<(), Failed> {

@@ -8,8 +8,9 @@ use cotillion::physics::ground::target::Target;
 use libtest_mimic::Failed;
 
 use crate::measure::Done;
-use crate::performer::{Edited, load};
-use crate::{JOG, WALK, tell, verdict};
+use crate::performance::{load, verdict};
+use crate::performer::Edited;
+use crate::{JOG, WALK, tell};
 
 const LIKE_BYTES: [&str; 5] = [
     WALK,

@@ -9,13 +9,11 @@ use std::time::Instant;
 use cotillion::clip::Clip;
 use cotillion::export::bvh::to_bvh_with;
 use cotillion::export::files::{OutputFile, file_names, write_all};
-use cotillion::export::physics_report::{self, curves_svg};
+use cotillion::export::masses_report::{BodyPart, EstimatePart};
+use cotillion::export::physics_report::curves_svg;
 use cotillion::export::picture::{Company, StripOptions, strip_svg};
-use cotillion::export::touch_up_report::{
-    BodyPart, FlaggedFrames, FlightPart, GroundPart, JudgedReport, TouchUpReport, TurnReport,
-};
+use cotillion::export::touch_up_report::{TouchUpPart, TouchUpReport};
 use cotillion::physics::course::{Course, course};
-use cotillion::physics::ground::report::{Judged, largest_change};
 use cotillion::physics::touch_up::{TouchedUp, touch_up};
 
 pub(crate) use self::args::TouchUpArgs;
@@ -102,9 +100,9 @@ fn strip((clip, when): (&Clip, &str), name: &str) -> OutputFile {
 }
 
 fn report(args: &TouchUpArgs, subject: &Subject, (touched, after): (&TouchedUp, &Course)) -> TouchUpReport {
-    let Subject { clip, body, .. } = subject;
-    let flights = FlightPart::all(touched, &subject.stages.flights);
-    let flagged_frames = FlaggedFrames::of(after, &after.pulled_down, body.stature);
+    let Subject { clip, body, stages, .. } = subject;
+    let mut done = TouchUpPart::of(touched, [clip, &touched.clip], (body, stages), after);
+    done.doubts.extend(subject.estimate.iter().flat_map(EstimatePart::doubts));
     TouchUpReport {
         clip: args.clip.display().to_string(),
         cotillion: env!("CARGO_PKG_VERSION"),
@@ -115,26 +113,8 @@ fn report(args: &TouchUpArgs, subject: &Subject, (touched, after): (&TouchedUp, 
         edits: subject.edits.clone(),
         settings: args.work.report(),
         body: BodyPart::of(body, args.body.table.name(), subject.estimate.clone()),
-        ground: GroundPart::of(&touched.ground, clip),
-        result: JudgedReport::from(&Judged { distance: after.summaries, miss: None }),
-        largest_change: largest_change(clip, &touched.clip).map(|change| TurnReport::of(&change, clip)),
-        doubts: doubts(subject, touched, &flagged_frames),
-        flights,
-        flagged_frames,
+        done,
         notes: subject.notes.clone(),
         files: Vec::new(),
     }
-}
-
-/// Estimated masses farther than this from the table's are doubtful.
-const FAR_FACTOR: f64 = 2.0;
-
-/// What to think about before the result is used.
-fn doubts(subject: &Subject, touched: &TouchedUp, flagged: &FlaggedFrames) -> Vec<String> {
-    let mut doubts = physics_report::doubts(&subject.stages, touched, flagged);
-    if let Some(estimate) = subject.estimate.as_ref().filter(|own| own.largest_change > FAR_FACTOR - 1.0) {
-        let percent = 100.0 * estimate.largest_change;
-        doubts.push(format!("masses by {}: a segment is {percent:.0} % off the table", estimate.by));
-    }
-    doubts
 }

@@ -5,7 +5,7 @@ use std::path::Path;
 use cotillion::clip::Clip;
 use cotillion::clip::derived::{Blended, bent, blended, tilted, usable_part};
 use cotillion::clip::read::ReadOptions;
-use cotillion::export::touch_up_report::EstimatePart;
+use cotillion::export::masses_report::EstimatePart;
 use cotillion::physics::blended_source::blended_source;
 use cotillion::physics::body_model::{BodyError, BodyModel, body_model};
 use cotillion::physics::ground::target::Source;

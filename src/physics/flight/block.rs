@@ -7,7 +7,6 @@ use glam::{DQuat, DVec3};
 use crate::clip::{Clip, MovingOffset};
 use crate::geometry::{exp, log};
 use crate::limb::minimal_rotation;
-use crate::physics::ballistics::{FlightCheck, check_flight};
 use crate::physics::body_model::BodyModel;
 use crate::physics::derivatives::Kernel;
 use crate::physics::derivatives::orientation::smooth_logs;
@@ -114,16 +113,6 @@ impl Block {
         }
         let Settled { aim, newton_steps, .. } = settled;
         Path { parabola, aim, newton_steps, largest_turn, landing_turn }
-    }
-
-    /// How it falls as captured. A clip that starts or ends in the air shows too little of a flight to tell.
-    pub(super) fn check(&self, clip: &Clip, body: &BodyModel) -> Option<FlightCheck> {
-        if self.held != [true, true] {
-            return None;
-        }
-        let heights: Vec<f64> = centers(&self.cut(clip), body).iter().map(|center| center.y).collect();
-        let check = check_flight(&heights, (1, heights.len() - 2), clip.fps)?;
-        Some(FlightCheck { first: self.first + 1, last: self.last - 1, ..check })
     }
 
     /// Whether `frame`, counted from its first, is on the ground.

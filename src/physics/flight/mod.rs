@@ -26,7 +26,8 @@ use crate::physics::body_model::BodyModel;
 use crate::physics::flight::block::Block;
 use crate::physics::flight::halves::HalfName;
 use crate::physics::flight::neighbours::Neighbours;
-use crate::physics::flight::report::{FlightReport, Landed};
+use crate::physics::flight::report::{FlightFacts, FlightReport, Landed, LeftFlight};
+use crate::physics::input::{InputError, check_motion, check_numbers};
 use crate::physics::posed::PosedClip;
 use crate::physics::stages::Stages;
 
@@ -65,6 +66,8 @@ pub struct FlightSettings {
     /// Whether flights that fall otherwise than bodies do may go on to fall as fast as they do (and flights too short to tell as fast as
     /// the longest one of the clip): their rate or scale is wrong, and a parabola of true gravity would bury or lift them.
     pub trusts_fall: bool,
+    /// Flights that stay as they come, counted from 0 in the order of time.
+    pub left: Vec<usize>,
 }
 
 /// Seconds in which neighbours fade out: 15 frames at 30 fps.
@@ -73,7 +76,13 @@ const FADE: f64 = 0.5;
 impl Default for FlightSettings {
     /// Without steps of halves: on captured jumps these turn joints farther than the whole body would have to turn.
     fn default() -> Self {
-        Self { steps: Vec::new(), target: MomentumTarget::default(), fade: FADE, trusts_fall: true }
+        Self {
+            steps: Vec::new(),
+            target: MomentumTarget::default(),
+            fade: FADE,
+            trusts_fall: true,
+            left: Vec::new(),
+        }
     }
 }
 
@@ -83,26 +92,6 @@ pub fn halves_in_turn() -> Vec<FlightStep> {
         .into_iter()
         .map(|half| FlightStep { half, share: 0.3, width: 10.0 })
         .collect()
-}
-
-/// Why there is no flight pass.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-#[non_exhaustive]
-pub enum FlightError {
-    /// Stages of another motion.
-    #[error("the stages are of {stages} frames, the motion has {frames}")]
-    OtherStages {
-        /// Frames of the stages.
-        stages: usize,
-        /// Frames of the motion.
-        frames: usize,
-    },
-    /// A motion or a setting that is no number.
-    #[error("{what} must be a number")]
-    NotFinite {
-        /// Which.
-        what: &'static str,
-    },
 }
 
 /// A motion after its flight pass.
@@ -117,24 +106,30 @@ pub struct Flown {
 /// `clip` with its flights made physical, and what was done. Cost: linear in frames times links; a frame of flight costs some fifty
 /// evaluations of the momentum.
 ///
-/// `stages`: of `clip`, or of the motion it was edited from, whose labels an edit keeps. Flights are worked on one after the other.
+/// `stages`: of `clip`, or of the motion it was edited from, whose labels an edit keeps; what flights fall like is known from there, not
+/// measured on what an edit or the ground pass made of them. Flights are worked on one after the other.
 ///
 /// # Errors
-/// [`FlightError`] for what does not fit together.
+/// [`InputError`] for what does not fit together.
 pub fn fly(
     clip: &Clip,
     body: &BodyModel,
     stages: &Stages,
     settings: &FlightSettings,
-) -> Result<Flown, FlightError> {
+) -> Result<Flown, InputError> {
     check(clip, stages, settings)?;
     let mut flown = clip.clone();
     let runs = stages.flight_runs();
+    let checks: Vec<Option<FlightCheck>> = runs.iter().map(|run| stages.check_of(*run)).collect();
     let neighbours = Neighbours::of(clip, stages, &runs, settings.fade);
-    let blocks: Vec<Block> = runs.iter().map(|run| Block::of(*run, clip.frame_count())).collect();
-    let checks: Vec<Option<FlightCheck>> = blocks.iter().map(|block| block.check(clip, body)).collect();
     let mut landed: Vec<Landed> = Vec::with_capacity(runs.len());
-    for (index, (block, check)) in blocks.into_iter().zip(&checks).enumerate() {
+    let mut left = Vec::new();
+    for (index, (run, check)) in runs.iter().zip(&checks).enumerate() {
+        if settings.left.contains(&index) {
+            left.push(LeftFlight { first: run.0, last: run.1, check: *check });
+            continue;
+        }
+        let block = Block::of(*run, clip.frame_count());
         let mut own = block.cut(&flown);
         let path = block.fly(&mut own, body, gravity(*check, &checks, settings), settings);
         let turns = neighbours.border_turns(index, &flown, body, (&block, path.landing_turn));
@@ -143,8 +138,8 @@ pub fn fly(
         landed.push(Landed { block, path, turns, check: *check });
     }
     let posed = [PosedClip::of(clip), PosedClip::of(&flown)];
-    let report = FlightReport::of([clip, &flown], [&posed[0], &posed[1]], body, stages, &landed);
-    Ok(Flown { clip: flown, report })
+    let flights = FlightFacts::all([clip, &flown], [&posed[0], &posed[1]], body, stages, &landed);
+    Ok(Flown { clip: flown, report: FlightReport { flights, left } })
 }
 
 /// By how much a flight is to fall, m/s². `checks`: of all flights.
@@ -156,25 +151,12 @@ fn gravity(own: Option<FlightCheck>, checks: &[Option<FlightCheck>], settings: &
     odd.map_or(GRAVITY, |check| check.gravity)
 }
 
-fn check(clip: &Clip, stages: &Stages, settings: &FlightSettings) -> Result<(), FlightError> {
-    let frames = clip.frame_count();
-    if stages.phases.len() != frames {
-        return Err(FlightError::OtherStages { stages: stages.phases.len(), frames });
-    }
+fn check(clip: &Clip, stages: &Stages, settings: &FlightSettings) -> Result<(), InputError> {
+    check_motion(clip, stages)?;
     let is_amount = |value: f64| value.is_finite() && value >= 0.0;
     let is_step = |step: &FlightStep| is_amount(step.share) && is_amount(step.width);
-    let places = clip.root_positions.iter().all(|place| place.is_finite());
-    let offsets =
-        clip.moving_offsets.iter().flat_map(|moving| &moving.offsets).all(|offset| offset.is_finite());
-    let faults = [
-        (places && offsets, "every place"),
-        (clip.rotations.iter().all(|rotation| rotation.is_finite()), "every rotation"),
-        (clip.fps.is_finite() && clip.fps > 0.0, "the frame rate"),
+    check_numbers(&[
         (settings.steps.iter().all(is_step), "share and width of every step"),
         (is_amount(settings.fade), "the fade"),
-    ];
-    match faults.into_iter().find(|(is_fine, _)| !is_fine) {
-        Some((_, what)) => Err(FlightError::NotFinite { what }),
-        None => Ok(()),
-    }
+    ])
 }

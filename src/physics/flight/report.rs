@@ -23,7 +23,7 @@ pub struct FlightFacts {
     pub first: usize,
     /// Last frame in the air.
     pub last: usize,
-    /// How it fell before; `None` for a flight of less than 0.2 s, or one that is cut off by an end of the clip.
+    /// How it fell as captured; `None` for a flight of less than 0.2 s, or one that is cut off by an end of the clip.
     pub check: Option<FlightCheck>,
     /// How fast it falls now, m/s².
     pub gravity: f64,
@@ -52,8 +52,21 @@ pub struct FlightFacts {
 /// What became of all flights of a clip.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct FlightReport {
-    /// In the order of time.
+    /// Those that were worked on, in the order of time.
     pub flights: Vec<FlightFacts>,
+    /// Those that were not, in the order of time.
+    pub left: Vec<LeftFlight>,
+}
+
+/// A flight that stays as it came.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LeftFlight {
+    /// First frame in the air.
+    pub first: usize,
+    /// Last frame in the air.
+    pub last: usize,
+    /// As in [`FlightFacts::check`].
+    pub check: Option<FlightCheck>,
 }
 
 /// A flight that was worked on.
@@ -81,6 +94,11 @@ impl FlightFacts {
     /// Whether the body turns so far that labels or rate may be wrong.
     pub fn turns_far(&self) -> bool {
         self.largest_turn.to_degrees() > FAR_TURN_DEG
+    }
+
+    /// Whether it is known to have fallen as bodies do.
+    pub fn is_sound(&self) -> bool {
+        self.check.is_some_and(|check| !check.is_doubtful())
     }
 
     /// Whether labels, rate or scale are doubtful.
@@ -115,17 +133,17 @@ impl fmt::Display for FlightFacts {
     }
 }
 
-impl FlightReport {
+impl FlightFacts {
     /// Of the motion before and after, and their frames.
-    pub(super) fn of(
+    pub(super) fn all(
         clips: [&Clip; 2],
         posed: [&PosedClip; 2],
         body: &BodyModel,
         stages: &Stages,
         landed: &[Landed],
-    ) -> Self {
+    ) -> Vec<Self> {
         if landed.is_empty() {
-            return Self::default();
+            return Vec::new();
         }
         let by = |filter: Filter| posed.map(|posed| balanced(body, posed, stages, filter));
         let (gaussian, judged) = (by(Filter::Gaussian), by(Filter::Butterworth));
@@ -135,7 +153,7 @@ impl FlightReport {
             let beside = |balances: &[Vec<Option<Balance>>; 2]| {
                 [0, 1].map(|at| beside(&balances[at], block, posed[at].fps))
             };
-            FlightFacts {
+            Self {
                 first: air.start,
                 last: air.end - 1,
                 check: *check,
@@ -153,7 +171,7 @@ impl FlightReport {
                 beside_judged: beside(&judged),
             }
         };
-        Self { flights: landed.iter().map(facts).collect() }
+        landed.iter().map(facts).collect()
     }
 }
 

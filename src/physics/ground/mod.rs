@@ -26,6 +26,7 @@ use crate::physics::ground::schedule::Step;
 use crate::physics::ground::state::State;
 use crate::physics::ground::step::PreparedStep;
 use crate::physics::ground::target::{Source, Target};
+use crate::physics::input::{InputError, check_motion, check_numbers};
 use crate::physics::stages::Stages;
 use crate::physics::zmp::ExternalForce;
 
@@ -90,20 +91,9 @@ pub enum GroundError {
         /// Frames of the motion.
         frames: usize,
     },
-    /// A motion that is not of this body or of these stages.
-    #[error("the stages are of {stages} frames, the motion has {frames}")]
-    OtherStages {
-        /// Frames of the stages.
-        stages: usize,
-        /// Frames of the motion.
-        frames: usize,
-    },
-    /// A motion or a setting that is no number.
-    #[error("{what} must be a number")]
-    NotFinite {
-        /// Which.
-        what: &'static str,
-    },
+    /// A motion that is not of these stages, or a number that is none.
+    #[error(transparent)]
+    Input(#[from] InputError),
 }
 
 /// Rounds in succession that bring nothing before it is given up.
@@ -195,10 +185,8 @@ fn check(
     source: Option<&Source>,
     settings: &GroundSettings,
 ) -> Result<(), GroundError> {
+    check_motion(clip, stages)?;
     let frames = clip.frame_count();
-    if stages.phases.len() != frames {
-        return Err(GroundError::OtherStages { stages: stages.phases.len(), frames });
-    }
     match (settings.target, source) {
         (Target::Carried, None) => return Err(GroundError::NoSource),
         (_, Some(source)) if source.roots.len() != frames => {
@@ -213,14 +201,9 @@ fn check(
         Target::Hull { margin } => margin.is_finite(),
         Target::Carried => true,
     };
-    let places = clip.root_positions.iter().all(|place| place.is_finite());
-    let faults = [
-        (places && clip.rotations.iter().all(|rotation| rotation.is_finite()), "every place and rotation"),
+    check_numbers(&[
         (settings.schedule.iter().all(is_finite), "width, share and largest turn of every step"),
         (settings.tolerance.is_finite() && target_is_finite, "tolerance and margin"),
-    ];
-    match faults.into_iter().find(|(is_fine, _)| !is_fine) {
-        Some((_, what)) => Err(GroundError::NotFinite { what }),
-        None => Ok(()),
-    }
+    ])?;
+    Ok(())
 }
