@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::f64::consts::PI;
 
-use super::acts::{Act, PALMS_APART, Place, REACH, STATURE, WIDTH, act, carry, nearest_turn, turn, walk};
+use super::acts::{Act, PALMS_APART, Place, REACH, STATURE, WIDTH, Walks, act, nearest_turn, turn};
 use super::chance::{Choice, below, signed};
 use super::curve::{Curve, curve};
 use super::disturbers::{Disturber, disturbers};
@@ -30,6 +30,8 @@ pub struct Back {
     pub facing: Option<i32>,
     /// Waits so long, seconds, in halves.
     pub wait: f64,
+    /// Position of its way back in [`Acts::backs`].
+    pub walk: usize,
 }
 
 /// One who carries.
@@ -49,6 +51,14 @@ pub struct Carrier {
     pub comes: bool,
     /// Height, metres.
     pub stature: f64,
+    /// Position of its way with the box in [`Acts::carries`].
+    pub walk: usize,
+    /// When it sets off with the box, seconds, as clips last.
+    pub sets_off: f64,
+    /// When it lets the box go.
+    pub gives: f64,
+    /// So long it turns about with the box, seconds.
+    pub turning: f64,
 }
 
 /// The clips of a relay that all its tracks share.
@@ -62,8 +72,8 @@ pub struct Acts {
     pub come: Act,
     /// Takes the box.
     pub take_over: Act,
-    /// Walks with it.
-    pub carry: Act,
+    /// Ways with it.
+    pub carries: Vec<Act>,
     /// Holds it out.
     pub hand_over: Act,
     /// Puts it down.
@@ -72,8 +82,8 @@ pub struct Acts {
     pub rest: Act,
     /// Turns back without the box.
     pub about: Act,
-    /// Walks back without the box.
-    pub back: Act,
+    /// Ways back without the box.
+    pub backs: Vec<Act>,
 }
 
 /// A relay laid out.
@@ -108,18 +118,19 @@ pub fn layout(relay: &Relay) -> Result<Layout, RelayError> {
     let (carriers, disturbing) = counts(relay)?;
     check(relay, carriers, disturbing)?;
     let (curve, spacing) = curve(&relay.along, carriers, relay.spacing)?;
-    let acts = acts(spacing);
+    let mut acts = acts();
     let starters: Vec<usize> = (0..relay.boxes).map(|load| load * carriers / relay.boxes).collect();
     let mut carriers = chain(relay, (&curve, spacing), (carriers, &starters), &acts);
-    wait_for_boxes(&mut carriers, &acts);
+    walk(&mut carriers, &mut acts);
+    let late =
+        |load: usize| (0.5 * relay.phase * (1.0 + signed(relay.seed, Choice::Beginning, load))).max(0.0);
+    let beginnings: Vec<f64> = (0..relay.boxes).map(|load| hundredths(late(load))).collect();
+    wait_for_boxes(&mut carriers, &beginnings, &acts);
     let far = carriers.iter().map(|carrier| carrier.give.position.norm()).fold(0.0, f64::max);
     if far > FARTHEST {
         return Err(RelayError::TooFar(far));
     }
     let disturbers = disturbers(relay, &mut carriers, disturbing, &acts);
-    let late =
-        |load: usize| (0.5 * relay.phase * (1.0 + signed(relay.seed, Choice::Beginning, load))).max(0.0);
-    let beginnings = (0..relay.boxes).map(|load| hundredths(late(load))).collect();
     Ok(Layout { carriers, disturbers, starters, beginnings, spacing, acts })
 }
 
@@ -149,20 +160,19 @@ fn check(relay: &Relay, carriers: usize, disturbers: usize) -> Result<(), RelayE
     Ok(())
 }
 
-fn acts(spacing: f64) -> Acts {
-    let way = spacing - 2.0 * REACH - PALMS_APART;
+fn acts() -> Acts {
     let box_for = |seconds: f64| [("seconds", seconds), ("width", WIDTH)];
     Acts {
         pick_up: act("pick up", "pick_up", &box_for(2.0), &[]),
         wait: act("wait", "idle", &[("seconds", 1.0)], &[("patted", 15)]),
         come: act("come", "walk", &[("start", 1.0), ("stop", 1.0), ("seconds", 2.5)], &[]),
         take_over: act("take over", "take_over", &box_for(2.0), &[]),
-        carry: carry(way),
+        carries: Vec::new(),
         hand_over: act("hand over", "hand_over", &box_for(2.0), &[]),
         put_down: act("put down", "put_down", &box_for(2.0), &[]),
         rest: act("rest", "idle", &[("seconds", 1.0)], &[]),
         about: act("turn about", "turn", &[("angle", 180.0)], &[]),
-        back: walk(way),
+        backs: Vec::new(),
     }
 }
 
@@ -229,14 +239,17 @@ fn chain(
         let turned = nearest_turn(facing - take.facing);
         let part = match before {
             None => Part::First,
-            Some(_) if starts => Part::Between(Back { facing: back_turn(facing, take.facing), wait: 1.0 }),
+            Some(_) if starts => {
+                Part::Between(Back { facing: back_turn(facing, take.facing), wait: 1.0, walk: 0 })
+            }
             Some(_) if n + 1 == count => Part::Last(turned),
             Some(_) => Part::Middle(turned),
         };
         let comes =
             below(3, relay.seed, Choice::Coming, n) == 0 && matches!(part, Part::Middle(_) | Part::Last(_));
         let start = start(part, (take, give), comes, acts);
-        carriers.push(Carrier { part, load, start, take, give, comes, stature });
+        let (walk, [sets_off, gives, turning]) = (0, [0.0; 3]);
+        carriers.push(Carrier { part, load, start, take, give, comes, stature, walk, sets_off, gives, turning });
     }
     carriers
 }
@@ -251,39 +264,56 @@ fn back_turn(facing: f64, taking: f64) -> Option<i32> {
 
 /// Where a track starts.
 fn start(part: Part, (take, give): (Place, Place), comes: bool, acts: &Acts) -> Place {
-    let event = |act: &Act, name: &str| act.clip.clip.events.get(name).map_or(0, |frame| frame.as_usize());
     if matches!(part, Part::First | Part::Between(_)) {
         let place = Place { position: take.position, facing: give.facing };
-        return acts.pick_up.start(event(&acts.pick_up, "grasp"), place);
+        return acts.pick_up.start(acts.pick_up.event("grasp"), place);
     }
-    let place = acts.take_over.start(event(&acts.take_over, "grasp"), take);
+    let place = acts.take_over.start(acts.take_over.event("grasp"), take);
     let first = if comes { &acts.come } else { &acts.wait };
     first.start(first.last(), place)
 }
 
-/// Lets who is back wait until the box before comes, as the clips of all before them last.
-fn wait_for_boxes(carriers: &mut [Carrier], acts: &Acts) {
+/// Gives everybody the walks that come nearest to their ways. Those of others are as much longer as who walks is taller.
+fn walk(carriers: &mut [Carrier], acts: &mut Acts) {
+    let (mut carries, mut backs) = (Walks::with_box(), Walks::back());
+    for carrier in carriers {
+        let way = (carrier.give.position - carrier.take.position).norm() * STATURE / carrier.stature;
+        carrier.walk = carries.nearest(way);
+        if let Part::Between(back) = &mut carrier.part {
+            back.walk = backs.nearest(way);
+        }
+    }
+    (acts.carries, acts.backs) = (carries.into_chosen(), backs.into_chosen());
+}
+
+/// When everybody sets off with a box and lets it go, as the clips of all before them last; who is back waits until the box
+/// before comes. `beginnings`: of each box, seconds.
+fn wait_for_boxes(carriers: &mut [Carrier], beginnings: &[f64], acts: &Acts) {
     /// From the beginning of a hand-over to its moment, and on to its end: a second each.
     const HALF: f64 = 1.0;
-    let first = acts.pick_up.seconds() + acts.carry.seconds() + HALF;
     let mut known = BTreeMap::new();
     let mut turning = |degrees: i32, with_box: bool| -> f64 {
         *known.entry((degrees, with_box)).or_insert_with(|| turn(degrees, with_box).seconds())
     };
-    let mut released = first;
+    let mut released = 0.0;
     for carrier in carriers {
-        match &mut carrier.part {
-            Part::First => {}
+        let begins = beginnings[carrier.load];
+        (carrier.sets_off, carrier.turning) = match carrier.part {
+            Part::First | Part::Between(_) => (begins + acts.pick_up.seconds(), 0.0),
             Part::Middle(turned) | Part::Last(turned) => {
-                released += 2.0 * HALF + turning(*turned, true) + acts.carry.seconds();
+                let turning = turning(turned, true);
+                (released + HALF + turning, turning)
             }
-            Part::Between(back) => {
-                let turned = back.facing.map_or(0.0, |degrees| turning(degrees, false));
-                let ready = first + HALF + acts.about.seconds() + acts.back.seconds() + turned;
-                back.wait = (2.0 * (released - HALF - ready)).round().max(2.0) / 2.0;
-                released = first;
-            }
+        };
+        carrier.gives = carrier.sets_off + acts.carries[carrier.walk].seconds() + HALF;
+        if let Part::Between(back) = &mut carrier.part {
+            let turned = back.facing.map_or(0.0, |degrees| turning(degrees, false));
+            let way = acts.about.seconds() + acts.backs[back.walk].seconds();
+            let ready = carrier.gives - begins + HALF + way + turned;
+            let before = beginnings[carrier.load - 1];
+            back.wait = (2.0 * (released - before - HALF - ready)).round().max(2.0) / 2.0;
         }
+        released = carrier.gives;
     }
 }
 
@@ -311,14 +341,16 @@ mod tests {
     }
 
     #[test]
-    fn nobody_is_asked_to_go_much_farther_than_the_clip_goes() {
+    fn everybody_walks_about_as_far_as_the_clip_goes() {
         for along in [Along::Line, Along::Spiral, Along::Circle] {
-            let layout = layout(&Relay { along, ..spiral() }).expect("it fits");
-            let own = layout.acts.carry.distance();
-            for carrier in &layout.carriers {
-                let asked = (carrier.give.position - carrier.take.position).norm();
-                // A third of it: in the innermost turn chords are shorter than the curve.
-                assert!((asked / own - 1.0).abs() < 0.34, "{asked} of {own}");
+            for spacing in [3.0, 3.5, 4.2, 9.0] {
+                let layout = layout(&Relay { along: along.clone(), spacing: Some(spacing), ..spiral() });
+                let layout = layout.expect("it fits");
+                for carrier in &layout.carriers {
+                    let own = layout.acts.carries[carrier.walk].distance() * carrier.stature / STATURE;
+                    let asked = (carrier.give.position - carrier.take.position).norm();
+                    assert!((asked / own - 1.0).abs() < 0.05, "{asked} of {own}, {spacing} m apart");
+                }
             }
         }
     }

@@ -13,6 +13,7 @@
 
 pub mod acts;
 pub mod chance;
+pub mod courses;
 pub mod curve;
 pub mod disturbers;
 pub mod drawing;
