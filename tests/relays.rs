@@ -85,6 +85,26 @@ fn the_spiral_of_78_is_what_the_command_in_its_head_writes() {
     assert_eq!(arguments[..5], ["relay", "--characters", "78", "--along", "spiral"]);
 }
 
+#[cfg(unix)]
+#[test]
+fn the_command_in_the_head_is_one_for_a_shell_whatever_the_file_is_called() {
+    for name in ["a way; rm $HOME 'x' \"y\".csv", "#1 & 2.csv", "-x.csv", "plain.csv"] {
+        let home = Home::with("");
+        fs::write(home.path(name), "0,0\n30,0\n60,9\n").expect("room");
+        let along = format!("--along={}", text(&home.path(name)));
+        let written = stdout(&cotillion(&["relay", "-n", "12", &along]));
+        let command = written.lines().find_map(|line| line.strip_prefix("# Written by: cotillion "));
+        let script = format!("\"$COTILLION\" {}", command.expect("its head says"));
+        let again = std::process::Command::new("sh")
+            .args(["-c", &script])
+            .env("COTILLION", env!("CARGO_BIN_EXE_cotillion"))
+            .current_dir(home.path(name).parent().expect("a folder"))
+            .output()
+            .expect("a shell");
+        assert_eq!(stdout(&again), written, "{name}: {}", stderr(&again));
+    }
+}
+
 #[test]
 fn neighbours_keep_what_chance_gave_them_when_others_come() {
     let (fewer, more) =

@@ -204,6 +204,9 @@ fn command(args: &RelayArgs, asked: &Relay) -> String {
         .file_name()
         .map_or_else(String::new, |name| name.to_string_lossy().into_owned());
     let curve: String = curve.chars().filter(|c| !c.is_control()).collect();
+    // A name that begins like an option is none.
+    let curve = if curve.starts_with('-') { format!("./{curve}") } else { curve };
+    let curve = shlex::try_quote(&curve).unwrap_or_default();
     let mut text = format!("cotillion relay --characters {} --along {curve}", asked.characters);
     if let Some(spacing) = asked.spacing {
         text += &format!(" --spacing {spacing}");

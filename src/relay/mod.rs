@@ -19,6 +19,7 @@ pub mod disturbers;
 pub mod drawing;
 pub mod layout;
 pub mod points;
+pub mod style;
 pub mod write;
 
 use crate::geometry::c64;
