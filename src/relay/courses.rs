@@ -24,14 +24,22 @@ const KNOT: usize = 5;
 
 /// The course of one as tall as `stature` who performs these acts one after the other, and is at `place` in `frame` of the act at
 /// position `which`, at `time`.
-pub fn performed(acts: &[&Act], (which, frame): (usize, usize), (place, time): (Place, f64), stature: f64) -> Course {
+pub fn performed(
+    acts: &[&Act],
+    (which, frame): (usize, usize),
+    (place, time): (Place, f64),
+    stature: f64,
+) -> Course {
     let mut start = Place { position: c64::new(0.0, 0.0), facing: 0.0 };
     let (mut frames, mut positions) = (0.0, Vec::new());
     let mut anchor = (0.0, start);
     for (index, act) in acts.iter().enumerate() {
         if index == which {
             let turned = act.clip.headings[frame] - act.clip.headings[0];
-            anchor = (frames + frame as f64, Place { position: act.at(start, frame), facing: start.facing + turned });
+            anchor = (
+                frames + frame as f64,
+                Place { position: act.at(start, frame), facing: start.facing + turned },
+            );
         }
         let knots = (0..act.last()).step_by(KNOT).chain([act.last()]);
         positions.extend(knots.map(|frame| (frames + frame as f64, act.at(start, frame))));
@@ -122,7 +130,8 @@ impl Crowd {
     pub fn gap(&self, course: &Course, but: Option<usize>) -> f64 {
         let near: BTreeSet<usize> =
             course.cells().iter().filter_map(|cell| self.cells.get(cell)).flatten().copied().collect();
-        let others = near.into_iter().map(|index| &self.courses[index]).filter(|(whom, _)| Some(*whom) != but);
+        let others =
+            near.into_iter().map(|index| &self.courses[index]).filter(|(whom, _)| Some(*whom) != but);
         others.map(|(_, other)| gap(course, other)).fold(f64::INFINITY, f64::min)
     }
 }

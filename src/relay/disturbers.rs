@@ -5,7 +5,7 @@ use std::f64::consts::PI;
 use super::acts::{Act, Place, STATURE, act};
 use super::chance::{Choice, below, signed};
 use super::courses::{BODY, Course, Crowd, performed};
-use super::layout::{Acts, Carrier, Part, hundredths, stature};
+use super::layout::{Acts, Carrier, Part, hundredths, stature_within};
 use super::{Disturbance, Relay};
 use crate::clip::builtin::FPS;
 use crate::geometry::{c64, cis, wrap};
@@ -55,6 +55,9 @@ const CLEAR: f64 = 0.15;
 
 /// Who pats stands so, seen from the back that is patted, at [`STATURE`], metres; shorter ones stand nearer.
 pub const PAT_FROM: (f64, f64) = (-0.62, 0.1);
+
+/// Who pats is no taller than this above who is patted, metres.
+const TALLER: f64 = 0.15;
 
 /// Metres ahead of the patted back, below 0, and to its left, of one of this height.
 pub fn pat_from(stature: f64) -> (f64, f64) {
@@ -147,7 +150,9 @@ fn ways(
     (index, how): (usize, Disturbance),
     clips: &Clips<'_>,
 ) -> Vec<Disturber> {
-    let stature = stature(relay, Choice::DisturberHeight, index);
+    // A hand that comes down on somebody much shorter would pull its body along.
+    let tallest = if how == Disturbance::Pat { carrier.stature + TALLER } else { f64::INFINITY };
+    let stature = stature_within(relay, (Choice::DisturberHeight, index), (0.0, tallest));
     let late = match how {
         // Hands meet backs at one and the same moment.
         Disturbance::Pat => 0.0,
@@ -159,8 +164,15 @@ fn ways(
         Disturbance::Pat => wrap(carrier.give.facing - carrier.take.facing - PI) > 0.0,
         Disturbance::Aside | Disturbance::Jump => below(2, relay.seed, Choice::Side, index) == 0,
     };
-    let way = |left: bool, start: Place| {
-        Disturber { how, whom, left, start, hurdle: None, beside: BESIDE, late, stature }
+    let way = |left: bool, start: Place| Disturber {
+        how,
+        whom,
+        left,
+        start,
+        hurdle: None,
+        beside: BESIDE,
+        late,
+        stature,
     };
     let sides = [left, !left];
     match how {
@@ -240,7 +252,8 @@ impl Clips<'_> {
                 let come = &self.acts.come;
                 let hurdle = disturber.hurdle.unwrap_or(disturber.start);
                 let takeoff = Place { position: hurdle.position - cis(hurdle.facing) * TAKEOFF, ..hurdle };
-                let jumps = course(&[come, &self.jump, come], (1, self.jump.event("takeoff")), takeoff, halfway);
+                let jumps =
+                    course(&[come, &self.jump, come], (1, self.jump.event("takeoff")), takeoff, halfway);
                 vec![jumps, Course::resting(hurdle.position, HURDLE)]
             }
         }

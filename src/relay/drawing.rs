@@ -72,7 +72,9 @@ impl DrawingFault {
             }
             Self::Points(_) => "write pairs of numbers, as in points=\"0,0 10,5\"",
             Self::Jumps(_) => "join its pieces: one M, at the beginning",
-            Self::Hidden => "show it, or name another: its display, its visibility or that of a group above hides it",
+            Self::Hidden => {
+                "show it, or name another: its display, its visibility or that of a group above hides it"
+            }
             Self::Transformed(_) => {
                 "write it as transform with matrix, translate, scale, rotate, skewX or skewY, in pixels and degrees, or let the drawing program apply it to the path"
             }
@@ -252,10 +254,16 @@ mod tests {
         let line = "d=\"M0 0 L2,0\"";
         for inside in [
             format!("<path {line} transform=\"translate(20 10) rotate(90) scale(2)\"/>"),
-            format!("<g transform=\"translate(20,10)\"><path {line} transform=\"matrix(0 2 -2 0 0 0)\"/></g>"),
+            format!(
+                "<g transform=\"translate(20,10)\"><path {line} transform=\"matrix(0 2 -2 0 0 0)\"/></g>"
+            ),
             format!("<path {line} style=\"transform: translate(20px, 10px) rotate(90deg) scale(2)\"/>"),
-            format!("<style>.way {{ transform: translate(20px, 10px) rotate(90deg) scale(2) }}</style><path class=\"way\" {line}/>"),
-            format!("<style>g > path {{ transform: none }} #way {{ transform: scale(2) }}</style>\n<g style=\"transform:translate(20px,10px) rotate(90deg)\"><path id=\"way\" {line} transform=\"scale(9)\"/></g>"),
+            format!(
+                "<style>.way {{ transform: translate(20px, 10px) rotate(90deg) scale(2) }}</style><path class=\"way\" {line}/>"
+            ),
+            format!(
+                "<style>g > path {{ transform: none }} #way {{ transform: scale(2) }}</style>\n<g style=\"transform:translate(20px,10px) rotate(90deg)\"><path id=\"way\" {line} transform=\"scale(9)\"/></g>"
+            ),
         ] {
             let read = read(&inside).map(|points| {
                 points.iter().map(|point| c64::new(point.re.round(), point.im.round())).collect::<Vec<_>>()
@@ -276,7 +284,10 @@ mod tests {
             "<path d=\"M0 0 1 1\" transform=\"turn(2)\"/>",
         ] {
             let error = read(inside).expect_err("it is at fault");
-            assert!(error.line == 2 && matches!(error.fault, DrawingFault::Transformed(_)), "{inside}: {error}");
+            assert!(
+                error.line == 2 && matches!(error.fault, DrawingFault::Transformed(_)),
+                "{inside}: {error}"
+            );
         }
     }
 

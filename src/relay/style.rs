@@ -36,7 +36,8 @@ impl<'a> Styles<'a> {
 
     /// Whether an element is drawn, as far as `display` and `visibility` say.
     pub fn is_shown(&self, node: &Node<'_, '_>) -> bool {
-        let displayed = |node: Node<'_, '_>| self.property(&node, "display").is_none_or(|value| value != "none");
+        let displayed =
+            |node: Node<'_, '_>| self.property(&node, "display").is_none_or(|value| value != "none");
         let visibility = node
             .ancestors()
             .find_map(|node| self.property(&node, "visibility").filter(|value| value != "inherit"));
