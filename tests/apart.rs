@@ -97,6 +97,7 @@ fn ways_are_hardly_stretched_before_any_drag() {
         for (character, own) in scene.characters.iter().zip(&edit.characters) {
             let ratio = length(&own.positions) / length(&character.track.rest_path().positions);
             let walks = character.name.starts_with("carrier");
+            eprintln!("{}: {ratio:.3}, {spacing:?}", character.name);
             assert!(!walks || (ratio - 1.0).abs() < STRETCH, "{}: {ratio:.3}, {spacing:?}", character.name);
         }
     }

@@ -202,7 +202,7 @@ fn whole_seconds(seconds: f64) -> u32 {
 /// A turn by the nearest of the angles that clips are made for, degrees; never none at all.
 pub fn nearest_turn(radians: f64) -> i32 {
     /// Degrees: fine enough for ways to stay as they are, coarse enough for a dozen or two of clips.
-    const STEP: i32 = 10;
+    const STEP: i32 = 5;
     let wrapped = radians - TAU * (radians / TAU).round();
     let steps = (wrapped.to_degrees() / f64::from(STEP)).round();
     let steps = (1..=180 / STEP).rev().find(|step| f64::from(*step) <= steps.abs()).unwrap_or(1);
@@ -248,10 +248,10 @@ mod tests {
     }
 
     #[test]
-    fn turns_are_to_the_nearest_of_ten_degrees() {
-        let nearest = [3.0, -3.0, 54.0, 178.0, -178.0, 190.0, -350.0]
+    fn turns_are_to_the_nearest_of_five_degrees() {
+        let nearest = [1.0, -1.0, 53.0, 178.0, -178.0, 190.0, -350.0]
             .map(|degrees: f64| nearest_turn(degrees.to_radians()));
-        assert_eq!(nearest, [10, -10, 50, 180, -180, -170, 10]);
+        assert_eq!(nearest, [5, -5, 55, 180, -180, -170, 10]);
     }
 
     #[test]

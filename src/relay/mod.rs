@@ -3,7 +3,7 @@
 //! Carriers stand along the curve in a zigzag. Each takes a box out of the hands of the one before, face to face, turns, carries
 //! it to the next and holds it out. Boxes start at equal distances; who starts one hands it on, walks back, and puts the box
 //! before it down where that one ends. So every neighbour hands something to the next, and the whole is one chain, however
-//! many boxes there are. Everything is laid out such that little is left to the edit: turns to the nearest 10 degrees, for every
+//! many boxes there are. Everything is laid out such that little is left to the edit: turns to the nearest 5 degrees, for every
 //! way a walk of the nearest length. Who gets in the way of one keeps out of all others.
 //!
 //! Same arguments, same bytes: nothing depends on a clock, and what is left to chance is a function of the seed and of who it
@@ -20,6 +20,7 @@ pub mod drawing;
 pub mod layout;
 pub mod points;
 pub mod style;
+pub mod ways;
 pub mod write;
 
 use crate::geometry::c64;
