@@ -185,7 +185,7 @@ fn what_does_not_fit_says_what_would_and_writes_nothing() {
         (&["-n", "12", "--disturbers", "7"], "7 disturbers leave 5 carriers"),
         (&["-n", "12", "--spacing", "1"], "outside 3 to 60 m"),
         (&["-n", "12", "--heights", "tall"], "no range of heights"),
-        (&["-n", "8", "--along", "circle"], "radius of 2.23 m"),
+        (&["-n", "8", "--along", "circle"], "radius of 2.10 m"),
         (&["-n", "12", "--along", text(&short)], "are 1.667 m apart"),
         (&["-n", "12", "--along", text(&short), "--spacing", "4"], "need 24.00 m; it holds 2"),
         (&["-n", "12", "--along", text(&bad)], "bad.csv:2:3: error: \"zwei\" is no number"),

@@ -21,7 +21,7 @@ pub(crate) struct RelayArgs {
     /// carriers need.
     #[arg(long, value_name = "CURVE", default_value = "line")]
     along: String,
-    /// Metres along the curve from one hand-over to the next; left out: 3.5, or what spreads the carriers over the points of a
+    /// Metres along the curve from one hand-over to the next; left out: 3.3, or what spreads the carriers over the points of a
     /// table.
     #[arg(long, value_name = "METRES", allow_negative_numbers = true)]
     spacing: Option<f64>,

@@ -93,7 +93,7 @@ impl Disturbance {
 }
 
 /// Metres from one hand-over to the next where nobody asks for more: about the shortest walk that sets off and halts.
-pub const SPACING: f64 = 3.5;
+pub const SPACING: f64 = 3.3;
 
 /// Metres from one hand-over to the next: two arms' lengths and two steps, and a minute's walk.
 pub const SPACINGS: (f64, f64) = (3.0, 60.0);
