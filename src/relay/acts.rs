@@ -125,8 +125,13 @@ struct Kind {
 /// Metres a second, in the order in which they are preferred.
 const SPEEDS: [f64; 10] = [1.3, 1.2, 1.1, 1.0, 0.9, 1.4, 0.8, 0.7, 0.6, 0.5];
 
-/// A walk this near to the way asked for, as a share of it, is taken at the first speed that has one.
+/// So many of them are at ease.
+const AT_EASE: usize = 6;
+
+/// A walk this near to the way asked for, as a share of it, is taken at the first speed that has one; one at ease that is not quite so
+/// near before slower ones.
 const NEAR: f64 = 0.03;
+const TOLERABLE: f64 = 0.06;
 
 impl Walks {
     /// With the box; their middle frames are called "halfway".
@@ -148,9 +153,9 @@ impl Walks {
     /// Position among those chosen of a walk of about `distance` metres.
     pub fn nearest(&mut self, distance: f64) -> usize {
         let mut best: Option<(f64, Act)> = None;
-        for speed in 0..SPEEDS.len() {
+        for (speed, metres) in SPEEDS.iter().enumerate() {
             // Setting off and halting take some seconds more.
-            let about = whole_seconds(distance / SPEEDS[speed]);
+            let about = whole_seconds(distance / metres);
             for seconds in about.max(2)..about + 6 {
                 let act = self.made(speed, seconds);
                 let off = (act.distance() / distance - 1.0).abs();
@@ -159,7 +164,8 @@ impl Walks {
                     best = Some((off, act.clone()));
                 }
             }
-            if best.as_ref().is_some_and(|(off, _)| *off < NEAR) {
+            let enough = if speed + 1 < AT_EASE { NEAR } else { TOLERABLE };
+            if best.as_ref().is_some_and(|(off, _)| *off < enough) {
                 break;
             }
         }
@@ -231,13 +237,13 @@ mod tests {
     use super::*;
 
     #[test]
-    fn every_way_has_a_walk_within_five_percent() {
+    fn every_way_has_a_walk_within_six_percent() {
         for mut walks in [Walks::with_box(), Walks::back()] {
             for centimetres in (140..900).step_by(7).chain([2000, 5857]) {
                 let distance = 0.01 * f64::from(centimetres);
                 let walk = walks.nearest(distance);
                 let own = walks.get(walk).distance();
-                assert!((own / distance - 1.0).abs() < 0.05, "{own} for {distance}");
+                assert!((own / distance - 1.0).abs() < TOLERABLE, "{own} for {distance}");
             }
             let names: Vec<String> = walks.into_chosen().into_iter().map(|act| act.name).collect();
             let mut once = names.clone();
