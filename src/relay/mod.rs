@@ -298,7 +298,7 @@ pub(crate) mod tests {
         assert!(matches!(error(Relay { drag: Some(0.0), ..spiral() }), RelayError::Drag(_)));
         assert!(matches!(error(Relay { spacing: Some(f64::NAN), ..spiral() }), RelayError::Spacing(_)));
         assert!(matches!(error(Relay { disturbances: vec![], ..spiral() }), RelayError::NoDisturbance));
-        let far = Relay { characters: 60_000, along: Along::Line, ..spiral() };
+        let far = Relay { characters: 60_000, spacing: Some(3.5), along: Along::Line, ..spiral() };
         assert!(matches!(error(far), RelayError::TooFar(_)));
     }
 }
