@@ -136,31 +136,68 @@ fn parts_change_nothing_of_a_character() {
     }
 }
 
+/// A run of a thousand whose files are being written, in `deep/result` of a folder.
 #[cfg(unix)]
-#[test]
-fn who_is_interrupted_leaves_nothing() {
-    let home = tempfile::tempdir().expect("a temporary folder");
-    fs::write(home.path().join("crowd.toml"), crowd(THOUSAND)).expect("a file");
+fn writing(home: &Path) -> std::process::Child {
+    fs::write(home.join("crowd.toml"), crowd(THOUSAND)).expect("a file");
     let mut running = Command::new(env!("CARGO_BIN_EXE_cotillion"))
         .args(["run", "crowd.toml", "--quiet", "--bvh-files", "-o", "deep/result"])
-        .current_dir(home.path())
+        .current_dir(home)
         .stdin(Stdio::null())
         .spawn()
         .expect("the program runs");
-    let folder = home.path().join("deep/result");
     let patience = Instant::now() + Duration::from_secs(60);
     // Files are put aside in a folder of their own: some are there, and most are not.
-    let aside = || fs::read_dir(&folder).ok()?.flatten().next().map(|entry| entry.path());
+    let aside = || fs::read_dir(home.join("deep/result")).ok()?.flatten().next().map(|entry| entry.path());
     let is_writing =
         || aside().and_then(|aside| fs::read_dir(aside).ok()).is_some_and(|files| files.count() > 3);
     while !is_writing() && Instant::now() < patience && running.try_wait().expect("a child").is_none() {
         std::thread::sleep(Duration::from_millis(1));
     }
-    let told = Command::new("kill").args(["-INT", &running.id().to_string()]).status().expect("a signal");
+    running
+}
+
+#[cfg(unix)]
+fn told(signal: &str, running: &std::process::Child) {
+    let told = Command::new("kill").args([signal, &running.id().to_string()]).status().expect("a signal");
+    assert!(told.success(), "it was still running");
+}
+
+#[cfg(unix)]
+#[test]
+fn who_is_interrupted_leaves_nothing() {
+    let home = tempfile::tempdir().expect("a temporary folder");
+    let mut running = writing(home.path());
+    told("-INT", &running);
     let since = Instant::now();
     let status = running.wait().expect("it ends");
     assert!(since.elapsed() < AT_ONCE, "it took {:?}", since.elapsed());
-    assert!(told.success(), "it was still running");
     assert_eq!(status.code(), Some(130));
     assert!(!home.path().join("deep").exists(), "nothing is left");
+    // What was aside is out of the way, and removed by another process.
+    let patience = Instant::now() + Duration::from_secs(60);
+    let count = || fs::read_dir(home.path()).expect("a folder").count();
+    while count() > 1 && Instant::now() < patience {
+        std::thread::sleep(Duration::from_millis(1));
+    }
+    assert_eq!(count(), 1, "the scene and nothing else");
+}
+
+#[cfg(unix)]
+#[test]
+fn what_a_killed_run_left_is_removed_by_the_next_and_nothing_of_one_that_runs() {
+    let home = tempfile::tempdir().expect("a temporary folder");
+    let mut running = writing(home.path());
+    let left = || {
+        let names = fs::read_dir(home.path().join("deep/result")).expect("a folder").flatten();
+        names.filter(|entry| entry.file_name().to_string_lossy().starts_with(".cotillion-")).count()
+    };
+    let relay = ["relay", "-n", "2", "-o", "deep/result/relay.toml"];
+    assert!(cotillion(&relay, home.path()).status.success());
+    assert!(left() == 1 || running.try_wait().expect("a child").is_some(), "it is in use");
+    told("-KILL", &running);
+    running.wait().expect("it ends");
+    assert_eq!(left(), 1);
+    assert!(cotillion(&relay, home.path()).status.success());
+    assert_eq!(left(), 0);
 }

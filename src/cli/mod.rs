@@ -22,6 +22,7 @@ use std::process::ExitCode;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use cotillion::edit::Backend;
+use cotillion::export::aside::sweep;
 use cotillion::export::shards::Shard;
 
 use bvh_args::BvhArgs;
@@ -63,6 +64,12 @@ enum Command {
     Schema(SchemaArgs),
     /// Measure how long edits take, by size, solver and number of threads.
     Bench(bench::BenchArgs),
+    /// Remove what was left in a folder by a run that was interrupted.
+    #[command(hide = true)]
+    Sweep {
+        /// The folder.
+        folder: PathBuf,
+    },
 }
 
 /// How results and errors are told.
@@ -225,7 +232,7 @@ enum Failure {
     Unsatisfiable,
     /// Wrong usage or bad input.
     BadInput,
-    /// Given up on Ctrl-C: the program ends whether the handler of signals or this comes first.
+    /// Given up on Ctrl-C: the handler of signals ends the program.
     Interrupted,
     /// Part of a benchmark could not be measured.
     CaseFailed,
@@ -244,12 +251,16 @@ pub(crate) fn main() -> ExitCode {
         Command::Relay(args) => relay::relay(&args),
         Command::Schema(args) => schema(&args),
         Command::Bench(args) => bench::bench(&args),
+        Command::Sweep { folder } => {
+            sweep(&folder);
+            Ok(())
+        }
     };
     match done {
         Ok(()) => ExitCode::SUCCESS,
         Err(Failure::Unsatisfiable | Failure::CaseFailed) => ExitCode::from(1),
         Err(Failure::BadInput) => ExitCode::from(2),
-        Err(Failure::Interrupted) => ExitCode::from(interrupt::INTERRUPTED),
+        Err(Failure::Interrupted) => interrupt::end(),
     }
 }
 

@@ -4,16 +4,17 @@ use std::collections::BTreeSet;
 
 use cotillion::discrete::outcome::Outcome;
 use cotillion::edit::{Edit, Moved};
-use cotillion::embody::{Embodied, embody_some};
+use cotillion::embody::{Embodied, closed_groups, embody_some};
 use cotillion::export::bvh::BvhOptions;
 use cotillion::export::files::{OutputFile, Staging, WriteError};
-use cotillion::export::parts::{MANY, Part, parts};
+use cotillion::export::parts::{MANY, OF_A_PART, Part, parts};
 use cotillion::export::physics_report::{courses, curves_svg};
 use cotillion::export::picture::to_png;
 use cotillion::export::report::{PartReport, Report, Setting, Timing, is_told, part_report, whole_report};
 use cotillion::export::scene::{animation, names, part_files, pictures};
 use cotillion::export::shards::{Shard, ShardFiles, shard_report};
 use cotillion::export::strips::strip_files;
+use cotillion::geometry::c64;
 use cotillion::index::CharacterId;
 use cotillion::object_motion::object_motions;
 use cotillion::plausible::{NotTouched, TouchUps, Touched, make_plausible};
@@ -73,7 +74,8 @@ pub(crate) fn produce(
     let (objects, ties) = (object_motions(scene, &moved), Ties::of(scene));
     let stage = Stage { scene, performance: &moved, objects: &objects, ties: &ties };
     let demands = Demands::of((scene, edit), &objects);
-    let parts = parts(scene, &ties);
+    let places: Vec<c64> = edit.characters.iter().map(|own| own.positions[0]).collect();
+    let parts = parts(scene, &ties, &places);
     let own = order.args.shard.map_or(&parts[..], |shard| shard.of_parts(&parts));
     let clock = resample_some(scene, edit, &[])?;
     let setting =
@@ -83,10 +85,9 @@ pub(crate) fn produce(
     let mut told = PartReport::default();
     let mut files = Vec::new();
     for part in own {
-        let (report, named) = maker.part(part, timing)?;
+        let (report, named) = maker.part(part, (timing, bar))?;
         told = told.and(report);
         files.extend(named);
-        bar.inc(part.members.len() as u64);
     }
     if order.args.shard.is_none_or(|shard| shard.number == shard.of) {
         let before = order.before.map(|before| (&solved.original, before));
@@ -98,7 +99,7 @@ pub(crate) fn produce(
             files.push(drawn.name);
         }
     }
-    let beside = maker.stances_beside(&parts, &told, timing)?;
+    let beside = maker.stances_beside(&told, timing)?;
     told.stances.extend(beside);
     let own = told.members();
     Ok(Produced { own, report: Report { files, ..whole_report(&setting, told) } })
@@ -167,11 +168,18 @@ struct Maker<'a> {
 
 impl Maker<'_> {
     /// Report and names of the files of one part.
-    fn part(&self, part: &Part, timing: &mut Timing) -> Result<(PartReport, Vec<String>), Unproduced> {
+    fn part(
+        &self,
+        part: &Part,
+        (timing, bar): (&mut Timing, &ProgressBar),
+    ) -> Result<(PartReport, Vec<String>), Unproduced> {
         let Setting { stage, outcome, .. } = self.setting;
         let (scene, edit) = (stage.scene, &outcome.edit);
+        // Bodies are about half of the work, files the other.
+        let half = part.members.len() as u64 / 2;
         let mut resampled = timed(&mut timing.export, || resample_some(scene, edit, &part.members))?;
         let (embodied, touch_ups) = plausible(stage, &mut resampled, timing);
+        bar.inc(half);
         let args = self.order.args;
         let writes_bvh = args.bvh_files || scene.characters.len() <= MANY;
         let (report, files) = timed(&mut timing.export, || {
@@ -187,7 +195,9 @@ impl Maker<'_> {
             let report = part_report(self.setting, &embodied, &resampled);
             (report.with_physics(&touch_ups, &resampled), files)
         });
-        Ok((report, self.keep(files, timing)?))
+        let named = self.keep(files, timing)?;
+        bar.inc(part.members.len() as u64 - half);
+        Ok((report, named))
     }
 
     /// Puts files aside, pictures as PNG too where asked for; their names.
@@ -204,22 +214,28 @@ impl Maker<'_> {
         })
     }
 
-    /// Where those are to whom the characters of a shard are held, and who are in another one.
-    fn stances_beside(
-        &self,
-        parts: &[Part],
-        told: &PartReport,
-        timing: &mut Timing,
-    ) -> Result<Stances, Unproduced> {
+    /// Where those are to whom the characters of a shard are held, and who are in another one: their bodies are made for that, with
+    /// those whom they reach and no others.
+    fn stances_beside(&self, told: &PartReport, timing: &mut Timing) -> Result<Stances, Unproduced> {
         let Setting { stage, demands, outcome, .. } = self.setting;
         let own = told.members();
         let beside = demands.beside(|who| own.contains(&who));
+        let is_beside = |who: &CharacterId| beside.binary_search(who).is_ok();
         let mut stances = Stances::default();
-        for part in parts.iter().filter(|part| part.members.iter().any(|who| beside.contains(who))) {
-            let mut resampled = resample_some(stage.scene, &outcome.edit, &part.members)?;
+        if beside.is_empty() {
+            return Ok(stances);
+        }
+        let groups: Vec<Vec<CharacterId>> = closed_groups(stage.scene, stage.ties)
+            .into_iter()
+            .filter(|group| group.iter().any(is_beside))
+            .collect();
+        for some in groups.chunks(OF_A_PART) {
+            let mut members = some.concat();
+            members.sort_unstable();
+            let mut resampled = resample_some(stage.scene, &outcome.edit, &members)?;
             let (embodied, _) = plausible(stage, &mut resampled, timing);
-            for who in beside.iter().filter(|who| part.members.contains(who)) {
-                stances.extend(demands.stances((stage.scene, &outcome.edit), &embodied, *who));
+            for who in members.into_iter().filter(is_beside) {
+                stances.extend(demands.stances((stage.scene, &outcome.edit), &embodied, who));
             }
         }
         Ok(stances)

@@ -21,7 +21,7 @@ pub(crate) struct RelayArgs {
     /// carriers need.
     #[arg(long, value_name = "CURVE", default_value = "line")]
     along: String,
-    /// Metres along the curve from one hand-over to the next; left out: 3.5, or what spreads the carriers over the points of a
+    /// Metres along the curve from one hand-over to the next; left out: 3.3, or what spreads the carriers over the points of a
     /// table.
     #[arg(long, value_name = "METRES", allow_negative_numbers = true)]
     spacing: Option<f64>,
@@ -204,6 +204,9 @@ fn command(args: &RelayArgs, asked: &Relay) -> String {
         .file_name()
         .map_or_else(String::new, |name| name.to_string_lossy().into_owned());
     let curve: String = curve.chars().filter(|c| !c.is_control()).collect();
+    // A name that begins like an option is none.
+    let curve = if curve.starts_with('-') { format!("./{curve}") } else { curve };
+    let curve = shlex::try_quote(&curve).unwrap_or_default();
     let mut text = format!("cotillion relay --characters {} --along {curve}", asked.characters);
     if let Some(spacing) = asked.spacing {
         text += &format!(" --spacing {spacing}");

@@ -10,6 +10,7 @@ use cotillion::edit::error::Named;
 use cotillion::edit::{Backend, Edit, EditError, Editor};
 use cotillion::export::bvh::BvhOptions;
 use cotillion::export::files::{OutputFile, Staging, WriteError};
+use cotillion::export::parts::MANY;
 use cotillion::export::report::Timing;
 use cotillion::export::shards::ShardFiles;
 use cotillion::graph::scene::{graph_settings, scene_clips};
@@ -60,7 +61,8 @@ pub(crate) fn run(args: &RunArgs) -> Result<(), Failure> {
     timed(&mut timing.export, || write(&order, &produced, staging))
         .map_err(|error| output.unwritable(&error.path, &error.source))?;
     produced.report.timing_ms = timing;
-    output.say(&summary(&produced.report, &args.output));
+    let many = solved.scene.characters.len() > MANY;
+    output.say(&summary(&produced.report, many, &args.output));
     output.print_json(&produced.report);
     Ok(())
 }

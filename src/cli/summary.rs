@@ -3,7 +3,6 @@
 use std::path::Path;
 
 use cotillion::export::body_report::{FullBodyReport, ShortfallReport};
-use cotillion::export::parts::MANY;
 use cotillion::export::physics_report::{PhysicsReport, TouchedReport};
 use cotillion::export::report::{CharacterReport, ConstraintReport, Report, RestEdited};
 use cotillion::export::touch_up_report::JudgedReport;
@@ -19,16 +18,16 @@ const FEW: f64 = 0.5;
 /// Where there are more than 200 characters, so many of what does not hold are named, the worst first.
 const NAMED: usize = 5;
 
-/// A few lines for people.
-pub(crate) fn summary(report: &Report, folder: &Path) -> String {
+/// A few lines for people. `many`: whether the scene is of more than 200 characters, however few of them a shard tells of.
+pub(crate) fn summary(report: &Report, many: bool, folder: &Path) -> String {
     let files = format!("{} files in {}\n", report.files.len() + 1, folder.display());
-    if report.characters.len() > MANY {
+    if many {
         return of_many(report) + &files;
     }
     let mut text = String::new();
     for character in &report.characters {
         text += &format!(
-            "{:<12} path {:6.2} m → {:6.2} m   {:6.2} s in {} frames   time steps ×{:.2}–{:.2}\n",
+            "{:<12} path {:6.2} m → {:6.2} m   {:6.2} s of motion, {} frames from the scene's start   time steps ×{:.2}–{:.2}\n",
             character.name,
             character.path_length.rest,
             character.path_length.edited,
@@ -58,7 +57,7 @@ fn of_many(report: &Report) -> String {
     let sum = |metres: fn(&CharacterReport) -> f64| all.iter().map(metres).sum::<f64>();
     let frames: usize = all.iter().map(|own| own.frames_out).sum();
     let mut text = format!(
-        "{} characters: paths {:.0} m → {:.0} m together   {:.0} s in {frames} frames\n",
+        "{} characters: paths {:.0} m → {:.0} m and {:.0} s of motion together, {frames} frames from the scene's start\n",
         all.len(),
         sum(|own| own.path_length.rest),
         sum(|own| own.path_length.edited),

@@ -5,9 +5,8 @@ use std::fs;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
-use std::time::Duration;
 
-use tempfile::{NamedTempFile, TempDir};
+use super::aside::{Aside, sweep};
 
 /// One file of a result.
 #[derive(Clone, Debug, PartialEq)]
@@ -43,7 +42,8 @@ pub fn write_all(folder: &Path, files: &[OutputFile]) -> Result<(), WriteError> 
 ///
 /// All its files are written into a folder of their own beside their final names first and flushed to disk; only then are they
 /// renamed, so that neither a crash nor a full disk leaves half a file under a final name or damages an earlier result. A
-/// result that is dropped or abandoned before leaves nothing.
+/// result that is dropped or abandoned before leaves nothing; what a program that was killed left is removed by the next result
+/// in the same folder.
 pub struct Staging {
     folder: PathBuf,
     pending: Pending,
@@ -56,7 +56,7 @@ pub struct Pending(Arc<Mutex<Option<Prepared>>>);
 /// What has been written so far.
 struct Prepared {
     /// Where files are until they get their names.
-    aside: TempDir,
+    aside: Aside,
     /// The outermost folder that was made for the result.
     fresh: Option<PathBuf>,
     names: Vec<String>,
@@ -75,8 +75,8 @@ impl Staging {
             )));
         }
         let fresh = first_missing(folder);
-        let made = fs::create_dir_all(folder)
-            .and_then(|()| tempfile::Builder::new().prefix(".cotillion-").tempdir_in(folder));
+        sweep(fresh.as_deref().map_or(folder, parent_of));
+        let made = fs::create_dir_all(folder).and_then(|()| Aside::within(folder));
         match made {
             Ok(aside) => {
                 let prepared = Prepared { aside, fresh, names: Vec::new() };
@@ -100,11 +100,7 @@ impl Staging {
     /// [`WriteError`] where it cannot be written, or a folder has its name.
     pub fn add(&self, file: &OutputFile) -> Result<(), WriteError> {
         let aside = self.aside(&file.name)?;
-        let written = fs::File::create_new(&aside).and_then(|mut made| {
-            made.write_all(&file.bytes)?;
-            made.sync_all()
-        });
-        self.keep(&file.name, written)
+        self.keep(&file.name, write_new(&aside, &file.bytes))
     }
 
     /// Adds a file that lies elsewhere already: linked where both places are on one disk, else copied.
@@ -179,26 +175,21 @@ impl Pending {
     /// Removes all that was written for the result in `folder` and the folders that were made for it, unless it is complete.
     pub fn abandon(&self, folder: &Path) {
         if let Some(Prepared { aside, fresh, .. }) = self.lock().take() {
-            remove(aside);
+            aside.remove();
             // The folders are ours and empty; one that is not stays, which is right.
             fresh.inspect(|fresh| remove_empty(folder, fresh));
         }
     }
-}
 
-/// Removes a folder, and what somebody may just be putting into it: one file at most, as the next finds the result given up.
-fn remove(aside: TempDir) {
-    let path = aside.keep();
-    for _ in 0..REMOVALS {
-        if fs::remove_dir_all(&path).is_ok() || !path.exists() {
-            return;
-        }
-        std::thread::sleep(Duration::from_millis(1));
+    /// The same in no time, however much was written: it is out of the result's folder if that was made for it, and in the folder
+    /// returned there is something left to [`sweep`]. `None` where the result was complete or given up before.
+    pub fn give_up(&self, folder: &Path) -> Option<PathBuf> {
+        let Prepared { aside, fresh, .. } = self.lock().take()?;
+        let left = aside.leave_in(fresh.as_deref().map_or(folder, parent_of));
+        fresh.inspect(|fresh| remove_empty(folder, fresh));
+        Some(left)
     }
 }
-
-/// So often a folder is removed that is still being written to.
-const REMOVALS: u32 = 50;
 
 /// No other error is of this kind, as interrupted calls go on.
 fn given_up() -> io::Error {
@@ -217,33 +208,24 @@ pub fn write_one(path: &Path, bytes: &[u8]) -> Result<(), WriteError> {
         return Err(failed(path)(error));
     }
     let path = target.as_path();
-    let folder = match path.parent() {
-        Some(parent) if !parent.as_os_str().is_empty() => parent,
-        _ => Path::new("."),
-    };
-    let temporary = prepare(folder, bytes).map_err(failed(path))?;
-    temporary.persist(path).map_err(|error| failed(path)(error.error))?;
+    let folder = parent_of(path);
+    sweep(folder);
+    // Removed again with what is in it, whatever happens.
+    let aside = Aside::within(folder).map_err(failed(path))?;
+    let made = aside.path().join("file");
+    write_new(&made, bytes).and_then(|()| fs::rename(&made, path)).map_err(failed(path))?;
     sync_folder(folder).map_err(failed(folder))
 }
 
-fn prepare(folder: &Path, bytes: &[u8]) -> io::Result<NamedTempFile> {
-    let mut file = tempfile::Builder::new().prefix(".cotillion-").tempfile_in(folder)?;
+fn write_new(path: &Path, bytes: &[u8]) -> io::Result<()> {
+    let mut file = fs::File::create_new(path)?;
     file.write_all(bytes)?;
-    file.as_file().sync_all()?;
-    make_readable(file.path())?;
-    Ok(file)
+    file.sync_all()
 }
 
-/// Temporary files are private; results are not.
-#[cfg(unix)]
-fn make_readable(path: &Path) -> io::Result<()> {
-    use std::os::unix::fs::PermissionsExt;
-    fs::set_permissions(path, fs::Permissions::from_mode(0o644))
-}
-
-#[cfg(not(unix))]
-fn make_readable(_: &Path) -> io::Result<()> {
-    Ok(())
+/// The folder that something is in.
+fn parent_of(path: &Path) -> &Path {
+    path.parent().filter(|parent| !parent.as_os_str().is_empty()).unwrap_or(Path::new("."))
 }
 
 #[cfg(unix)]

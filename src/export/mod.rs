@@ -1,5 +1,6 @@
 //! Files out of results.
 
+pub mod aside;
 pub mod body_report;
 pub mod bvh;
 pub mod changes;

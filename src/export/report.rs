@@ -31,6 +31,9 @@ pub use parts::{PartReport, Setting, is_told, part_report, report, whole_report}
 /// Places of an object that moves are told so far apart, seconds.
 const PLACES_APART: f64 = 0.1;
 
+/// Moments nearer to each other than this are one, seconds: nobody has anything between them.
+const ONE_MOMENT: f64 = 1e-9;
+
 /// The whole report. Lengths in metres, times in seconds, angles in degrees.
 #[derive(Clone, Debug, Serialize)]
 pub struct Report {
@@ -319,7 +322,7 @@ fn object_report(moved: &Moved<'_>, motion: &ObjectMotion, (start, frames): (f64
         name: scene.objects[motion.object.as_usize()].name.clone(),
         path_length: length(&plan),
         owners: spans
-            .filter(|(_, from, to)| from < to)
+            .filter(|(_, from, to)| to - from > ONE_MOMENT)
             .map(|(span, from, to)| owner_report(scene, &span.owner, (from, to)))
             .collect(),
         path: without_stays(path),

@@ -7,7 +7,7 @@ use std::sync::Arc;
 use crate::clip::builtin::{FPS, generate};
 use crate::clip::working::WorkingClip;
 use crate::geometry::{c64, cis};
-use crate::index::SourceFrame;
+use crate::index::{SourceFrame, floor_index};
 
 /// Between the palms that carry, metres: room for the hands of two on the box, one before the other's.
 pub const WIDTH: f64 = 0.3;
@@ -78,6 +78,23 @@ impl Act {
         self.clip.positions.len() - 1
     }
 
+    /// Where its last frame is, where its first is at `start`.
+    pub fn end(&self, start: Place) -> Place {
+        let facing = start.facing + self.clip.headings[self.last()] - self.clip.headings[0];
+        Place { position: self.at(start, self.last()), facing }
+    }
+
+    /// Where the body is at `frame`, where its first is at `start`.
+    pub fn at(&self, start: Place, frame: usize) -> c64 {
+        let way = self.clip.positions[frame.min(self.last())] - self.clip.positions[0];
+        start.position + way * cis(start.facing - self.clip.headings[0])
+    }
+
+    /// Frame of an event; 0 where there is none of this name.
+    pub fn event(&self, name: &str) -> usize {
+        self.clip.clip.events.get(name).map_or(0, |frame| frame.as_usize())
+    }
+
     /// Where its first frame is, for frame `frame` to be at `place`.
     pub fn start(&self, frame: usize, place: Place) -> Place {
         let frame = frame.min(self.last());
@@ -88,53 +105,114 @@ impl Act {
     }
 }
 
-/// Walking with the box for `distance` metres; its middle frame is called "halfway".
-pub fn carry(distance: f64) -> Act {
-    let fixed = [("take", 0.0), ("give", 0.0), ("width", WIDTH)];
-    let parameters = nearest("carry", &[1.3, 1.2, 1.1, 1.0, 0.9], &fixed, distance);
-    let halfway = act("carry", "carry", &parameters, &[]).last() / 2;
-    act("carry", "carry", &parameters, &[("halfway", halfway)])
+/// Walks of one kind, made as they are asked for.
+pub struct Walks {
+    kind: Kind,
+    /// Those tried, by position in [`SPEEDS`] and whole seconds.
+    tried: BTreeMap<(usize, u32), Act>,
+    /// Those chosen, in the order in which they first were.
+    chosen: Vec<Act>,
 }
 
-/// Walking without it for `distance` metres.
-pub fn walk(distance: f64) -> Act {
-    let parameters = nearest("walk", &[1.2, 1.1, 1.0], &[("start", 1.0), ("stop", 1.0)], distance);
-    act("walk back", "walk", &parameters, &[])
+/// What a walk is made of besides its speed and its seconds.
+struct Kind {
+    name: &'static str,
+    builtin: &'static str,
+    fixed: Vec<(&'static str, f64)>,
+    middle: bool,
 }
 
-/// Parameters of the clip `builtin`, `fixed` ones among them, with the speed and the number of steps that come nearest to
-/// `distance` metres.
-fn nearest(
-    builtin: &str,
-    speeds: &[f64],
-    fixed: &[(&'static str, f64)],
-    distance: f64,
-) -> Vec<(&'static str, f64)> {
-    let mut best: Option<(f64, Vec<(&'static str, f64)>)> = None;
-    for speed in speeds {
-        // Setting off and halting take about a second more.
-        let about = (distance / speed + 1.0).round();
-        for seconds in [about - 1.0, about, about + 1.0, about + 2.0].map(|seconds| seconds.max(2.0)) {
-            let mut parameters = vec![("speed", *speed), ("seconds", seconds)];
-            parameters.extend_from_slice(fixed);
-            let off = (act("", builtin, &parameters, &[]).distance() - distance).abs();
-            // A hair of preference for what comes first keeps the choice from hanging on rounding.
-            if best.as_ref().is_none_or(|(known, _)| off < known - 0.01) {
-                best = Some((off, parameters));
+/// Metres a second, in the order in which they are preferred.
+const SPEEDS: [f64; 10] = [1.3, 1.2, 1.1, 1.0, 0.9, 1.4, 0.8, 0.7, 0.6, 0.5];
+
+/// So many of them are at ease.
+const AT_EASE: usize = 6;
+
+/// A walk this near to the way asked for, as a share of it, is taken at the first speed that has one; one at ease that is not quite so
+/// near before slower ones.
+const NEAR: f64 = 0.03;
+const TOLERABLE: f64 = 0.06;
+
+impl Walks {
+    /// With the box; their middle frames are called "halfway".
+    pub fn with_box() -> Self {
+        let fixed = vec![("take", 0.0), ("give", 0.0), ("width", WIDTH)];
+        Self::of(Kind { name: "carry", builtin: "carry", fixed, middle: true })
+    }
+
+    /// Without it.
+    pub fn back() -> Self {
+        let fixed = vec![("start", 1.0), ("stop", 1.0)];
+        Self::of(Kind { name: "walk back", builtin: "walk", fixed, middle: false })
+    }
+
+    const fn of(kind: Kind) -> Self {
+        Self { kind, tried: BTreeMap::new(), chosen: Vec::new() }
+    }
+
+    /// Position among those chosen of a walk of about `distance` metres.
+    pub fn nearest(&mut self, distance: f64) -> usize {
+        let mut best: Option<(f64, Act)> = None;
+        for (speed, metres) in SPEEDS.iter().enumerate() {
+            // Setting off and halting take some seconds more.
+            let about = whole_seconds(distance / metres);
+            for seconds in about.max(2)..about + 6 {
+                let act = self.made(speed, seconds);
+                let off = (act.distance() / distance - 1.0).abs();
+                // A hair of preference for what comes first keeps the choice from hanging on rounding.
+                if best.as_ref().is_none_or(|(known, _)| off < known - 0.001) {
+                    best = Some((off, act.clone()));
+                }
+            }
+            let enough = if speed + 1 < AT_EASE { NEAR } else { TOLERABLE };
+            if best.as_ref().is_some_and(|(off, _)| *off < enough) {
+                break;
             }
         }
+        let (_, act) = best.expect("some speed was tried");
+        let known = self.chosen.iter().position(|known| known.name == act.name);
+        known.unwrap_or_else(|| {
+            self.chosen.push(act);
+            self.chosen.len() - 1
+        })
     }
-    best.map(|(_, parameters)| parameters).unwrap_or_default()
+
+    fn made(&mut self, speed: usize, seconds: u32) -> &Act {
+        let Kind { name, builtin, fixed, middle } = &self.kind;
+        self.tried.entry((speed, seconds)).or_insert_with(|| {
+            let mut parameters = vec![("speed", SPEEDS[speed]), ("seconds", f64::from(seconds))];
+            parameters.extend_from_slice(fixed);
+            let made = act("", builtin, &parameters, &[]);
+            let name = format!("{name} {:.2} at {:.1}", made.distance(), SPEEDS[speed]);
+            let halfway = [("halfway", made.last() / 2)];
+            act(&name, builtin, &parameters, if *middle { &halfway } else { &[] })
+        })
+    }
+
+    /// One of those chosen.
+    pub fn get(&self, walk: usize) -> &Act {
+        &self.chosen[walk]
+    }
+
+    /// Those chosen.
+    pub fn into_chosen(self) -> Vec<Act> {
+        self.chosen
+    }
+}
+
+/// Below `seconds`, which are few.
+fn whole_seconds(seconds: f64) -> u32 {
+    u32::try_from(floor_index(seconds)).unwrap_or(0)
 }
 
 /// A turn by the nearest of the angles that clips are made for, degrees; never none at all.
 pub fn nearest_turn(radians: f64) -> i32 {
-    /// Fine enough for an edit to take up the rest, coarse enough for a dozen clips.
-    const STEP: f64 = 30.0;
+    /// Degrees: fine enough for ways to stay as they are, coarse enough for a dozen or two of clips.
+    const STEP: i32 = 5;
     let wrapped = radians - TAU * (radians / TAU).round();
-    let steps = (wrapped.to_degrees() / STEP).round();
-    let steps = (1..=6).rev().find(|step| f64::from(*step) <= steps.abs()).unwrap_or(1);
-    if wrapped < 0.0 { -30 * steps } else { 30 * steps }
+    let steps = (wrapped.to_degrees() / f64::from(STEP)).round();
+    let steps = (1..=180 / STEP).rev().find(|step| f64::from(*step) <= steps.abs()).unwrap_or(1);
+    if wrapped < 0.0 { -STEP * steps } else { STEP * steps }
 }
 
 /// Turning on the spot by `degrees`, with the box or without.
@@ -157,24 +235,29 @@ pub fn turn_name(degrees: i32, with_box: bool) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::relay::SPACINGS;
 
     #[test]
-    fn ways_are_walked_with_hardly_any_deformation() {
-        for spacing in [SPACINGS.0, 3.5, 5.0, 7.7, 20.0, SPACINGS.1] {
-            let distance = spacing - 2.0 * REACH - PALMS_APART;
-            let carried = carry(distance);
-            let off = (carried.distance() - distance).abs();
-            // The shortest walk is of 2.05 m; else speeds and steps come within a quarter of a step of 1.3 m.
-            assert!(off < 0.35 || distance < 2.05, "{distance} {}", carried.distance());
+    fn every_way_has_a_walk_within_six_percent() {
+        for mut walks in [Walks::with_box(), Walks::back()] {
+            for centimetres in (140..900).step_by(7).chain([2000, 5857]) {
+                let distance = 0.01 * f64::from(centimetres);
+                let walk = walks.nearest(distance);
+                let own = walks.get(walk).distance();
+                assert!((own / distance - 1.0).abs() < TOLERABLE, "{own} for {distance}");
+            }
+            let names: Vec<String> = walks.into_chosen().into_iter().map(|act| act.name).collect();
+            let mut once = names.clone();
+            once.sort();
+            once.dedup();
+            assert_eq!(once.len(), names.len());
         }
     }
 
     #[test]
-    fn turns_are_to_the_nearest_of_thirty_degrees() {
-        let nearest = [10.0, -10.0, 50.0, 178.0, -178.0, 190.0, -350.0]
+    fn turns_are_to_the_nearest_of_five_degrees() {
+        let nearest = [1.0, -1.0, 53.0, 178.0, -178.0, 190.0, -350.0]
             .map(|degrees: f64| nearest_turn(degrees.to_radians()));
-        assert_eq!(nearest, [30, -30, 60, 180, -180, -180, 30]);
+        assert_eq!(nearest, [5, -5, 55, 180, -180, -170, 10]);
     }
 
     #[test]

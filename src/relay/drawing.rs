@@ -1,8 +1,10 @@
-//! A curve from a drawing: the one `path`, `polyline` or `polygon` of an SVG file. Only here is XML and the path syntax read.
+//! A curve from a drawing: the one `path`, `polyline` or `polygon` that an SVG file shows, as it shows it. Only here is XML and the
+//! path syntax read.
 
-use kurbo::{BezPath, PathEl, Point, Shape};
-use roxmltree::{Document, Node};
+use kurbo::{Affine, BezPath, PathEl, Point, Shape};
+use roxmltree::{Document, Node, ParsingOptions};
 
+use super::style::{Styles, Unknown};
 use crate::geometry::c64;
 
 /// Why a drawing holds no curve.
@@ -25,7 +27,7 @@ pub enum DrawingFault {
     #[error("not SVG: {0}")]
     NotXml(String),
     /// No element to follow.
-    #[error("the drawing has no path, polyline or polygon")]
+    #[error("the drawing shows no path, polyline or polygon")]
     NoCurve,
     /// No element of the name asked for.
     #[error("no path, polyline or polygon has the id \"{0}\"")]
@@ -42,9 +44,12 @@ pub enum DrawingFault {
     /// A path of several pieces.
     #[error("the path jumps: it has {0} pieces")]
     Jumps(usize),
-    /// A transform, which is not applied.
-    #[error("the curve is transformed, and transforms are not applied")]
-    Transformed,
+    /// The one asked for is hidden.
+    #[error("the curve is hidden")]
+    Hidden,
+    /// A transform that is not understood.
+    #[error("the curve is transformed by {property}: {value}, which is not understood", property = .0.property, value = .0.value)]
+    Transformed(Unknown),
     /// Fewer than two points.
     #[error("the curve has fewer than two points")]
     TooShort,
@@ -56,7 +61,7 @@ impl DrawingFault {
         match self {
             Self::NotXml(_) => "save it as plain SVG",
             Self::NoCurve => {
-                "draw a path, polyline or polygon; other shapes are not followed: convert them to paths"
+                "draw a path, polyline or polygon, and show it; other shapes are not followed: convert them to paths"
             }
             Self::NoSuchId(_) => "name the id of one of them after '#', or draw just one and name none",
             Self::Several(_) => {
@@ -67,7 +72,12 @@ impl DrawingFault {
             }
             Self::Points(_) => "write pairs of numbers, as in points=\"0,0 10,5\"",
             Self::Jumps(_) => "join its pieces: one M, at the beginning",
-            Self::Transformed => "let the drawing program apply transforms to the path, or leave them out",
+            Self::Hidden => {
+                "show it, or name another: its display, its visibility or that of a group above hides it"
+            }
+            Self::Transformed(_) => {
+                "write it as transform with matrix, translate, scale, rotate, skewX or skewY, in pixels and degrees, or let the drawing program apply it to the path"
+            }
             Self::TooShort => "draw it longer",
         }
     }
@@ -81,29 +91,37 @@ const TOLERANCE: f64 = 1e-4;
 /// # Errors
 /// [`DrawingError`] with its place.
 pub fn drawing(text: &str, id: Option<&str>) -> Result<Vec<c64>, DrawingError> {
-    let document = Document::parse(text).map_err(|error| {
+    // Drawing programs write a document type; what it names outside the file is not read.
+    let options = ParsingOptions { allow_dtd: true, ..ParsingOptions::default() };
+    let document = Document::parse_with_options(text, options).map_err(|error| {
         let at = error.pos();
         let (line, column) = (at.row as usize, at.col as usize);
         DrawingError { line, column, fault: DrawingFault::NotXml(error.to_string()) }
     })?;
-    let curves: Vec<Node<'_, '_>> =
-        document.descendants().filter(|node| is_curve(node) && is_drawn(node)).collect();
-    let named = |name: &str| curves.iter().find(|node| node.attribute("id") == Some(name));
+    let styles = Styles::of(&document);
+    let all = || document.descendants().filter(|node| is_curve(node) && is_drawn(node));
+    let curves: Vec<Node<'_, '_>> = all().filter(|node| styles.is_shown(node)).collect();
     let fault = |node: Option<&Node<'_, '_>>, fault: DrawingFault| {
         let at = node.map(|node| document.text_pos_at(node.range().start));
         let (line, column) = at.map_or((0, 0), |at| (at.row as usize, at.col as usize));
         DrawingError { line, column, fault }
     };
     let node = match (id, &curves[..]) {
-        (Some(id), _) => named(id).ok_or_else(|| fault(None, DrawingFault::NoSuchId(id.to_owned())))?,
-        (None, [only]) => only,
-        (None, []) => return Err(fault(None, DrawingFault::NoCurve)),
+        (Some(id), _) => {
+            let named = all().find(|node| node.attribute("id") == Some(id));
+            let node = named.ok_or_else(|| fault(None, DrawingFault::NoSuchId(id.to_owned())))?;
+            if !curves.contains(&node) {
+                return Err(fault(Some(&node), DrawingFault::Hidden));
+            }
+            node
+        }
+        (None, [only]) => *only,
+        (None, []) => return Err(fault(all().next().as_ref(), DrawingFault::NoCurve)),
         (None, [_, second, ..]) => return Err(fault(Some(second), DrawingFault::Several(curves.len()))),
     };
-    if node.ancestors().any(|above| above.has_attribute("transform")) {
-        return Err(fault(Some(node), DrawingFault::Transformed));
-    }
-    points(node).map_err(|found| fault(Some(node), found))
+    let transform =
+        styles.transform(&node).map_err(|unknown| fault(Some(&node), DrawingFault::Transformed(unknown)))?;
+    points(&node, transform).map_err(|found| fault(Some(&node), found))
 }
 
 fn is_curve(node: &Node<'_, '_>) -> bool {
@@ -116,22 +134,26 @@ fn is_drawn(node: &Node<'_, '_>) -> bool {
     !node.ancestors().any(|above| hidden.contains(&above.tag_name().name()))
 }
 
-fn points(node: &Node<'_, '_>) -> Result<Vec<c64>, DrawingFault> {
+fn points(node: &Node<'_, '_>, transform: Affine) -> Result<Vec<c64>, DrawingFault> {
     let points = match node.tag_name().name() {
-        "path" => path(node.attribute("d").unwrap_or_default())?,
-        name => corners(node.attribute("points").unwrap_or_default(), name == "polygon")?,
+        "path" => path(node.attribute("d").unwrap_or_default(), transform)?,
+        name => {
+            let corners = corners(node.attribute("points").unwrap_or_default(), name == "polygon")?;
+            corners.into_iter().map(|corner| transform * corner).collect()
+        }
     };
     let points: Vec<c64> = points.into_iter().map(|point| c64::new(point.x, -point.y)).collect();
     let sound = points.len() >= 2 && points.iter().all(|point| point.re.is_finite() && point.im.is_finite());
     if sound { Ok(points) } else { Err(DrawingFault::TooShort) }
 }
 
-fn path(data: &str) -> Result<Vec<Point>, DrawingFault> {
+fn path(data: &str, transform: Affine) -> Result<Vec<Point>, DrawingFault> {
     let path = BezPath::from_svg(data).map_err(|error| DrawingFault::Path(error.to_string()))?;
     let pieces = path.elements().iter().filter(|element| matches!(element, PathEl::MoveTo(_))).count();
     if pieces > 1 {
         return Err(DrawingFault::Jumps(pieces));
     }
+    let path = transform * path;
     let bounds = path.bounding_box();
     let size = bounds.width().hypot(bounds.height());
     if !(size > 0.0 && size.is_finite()) {
@@ -207,10 +229,6 @@ mod tests {
         assert_eq!((several.line, several.column, several.fault), (3, 1, DrawingFault::Several(2)));
         assert!(matches!(fault("<path d=\"M0 0 L\"/>").fault, DrawingFault::Path(_)));
         assert_eq!(fault("<path d=\"M0 0 1 1 M5 5 6 6\"/>").fault, DrawingFault::Jumps(2));
-        assert_eq!(
-            fault("<g transform=\"scale(2)\"><path d=\"M0 0 1 1\"/></g>").fault,
-            DrawingFault::Transformed
-        );
         assert_eq!(fault("<polyline points=\"0,0 x,1\"/>").fault, DrawingFault::Points("x".to_owned()));
         assert_eq!(fault("<path d=\"M0 0 0 0\"/>").fault, DrawingFault::TooShort);
         assert_eq!(fault("<polyline points=\"1 1\"/>").fault, DrawingFault::TooShort);
@@ -230,7 +248,82 @@ mod tests {
         ));
     }
 
+    #[test]
+    fn transforms_of_the_curve_and_of_groups_are_applied_wherever_they_are_written() {
+        let turned = Ok(vec![c64::new(20.0, -10.0), c64::new(20.0, -14.0)]);
+        let line = "d=\"M0 0 L2,0\"";
+        for inside in [
+            format!("<path {line} transform=\"translate(20 10) rotate(90) scale(2)\"/>"),
+            format!(
+                "<g transform=\"translate(20,10)\"><path {line} transform=\"matrix(0 2 -2 0 0 0)\"/></g>"
+            ),
+            format!("<path {line} style=\"transform: translate(20px, 10px) rotate(90deg) scale(2)\"/>"),
+            format!(
+                "<style>.way {{ transform: translate(20px, 10px) rotate(90deg) scale(2) }}</style><path class=\"way\" {line}/>"
+            ),
+            format!(
+                "<style>g > path {{ transform: none }} #way {{ transform: scale(2) }}</style>\n<g style=\"transform:translate(20px,10px) rotate(90deg)\"><path id=\"way\" {line} transform=\"scale(9)\"/></g>"
+            ),
+        ] {
+            let read = read(&inside).map(|points| {
+                points.iter().map(|point| c64::new(point.re.round(), point.im.round())).collect::<Vec<_>>()
+            });
+            assert_eq!(read, turned, "{inside}");
+        }
+        let corners = read("<polyline transform=\"scale(1, 2)\" points=\"0,0 4,3\"/>");
+        assert_eq!(corners, Ok(vec![c64::new(0.0, 0.0), c64::new(4.0, -6.0)]));
+    }
+
+    #[test]
+    fn transforms_that_are_not_understood_are_refused() {
+        for inside in [
+            "<path d=\"M0 0 1 1\" style=\"transform: rotate(0.2turn)\"/>",
+            "<path d=\"M0 0 1 1\" style=\"transform: translate(10%)\"/>",
+            "<path d=\"M0 0 1 1\" style=\"rotate: 20deg\"/>",
+            "<g style=\"transform-origin: center\" transform=\"rotate(9)\"><path d=\"M0 0 1 1\"/></g>",
+            "<path d=\"M0 0 1 1\" transform=\"turn(2)\"/>",
+        ] {
+            let error = read(inside).expect_err("it is at fault");
+            assert!(
+                error.line == 2 && matches!(error.fault, DrawingFault::Transformed(_)),
+                "{inside}: {error}"
+            );
+        }
+    }
+
+    #[test]
+    fn what_is_hidden_is_not_followed() {
+        let shown = "<path d=\"M0 0 2 0\"/>";
+        let hidden = "d=\"M0 0 9 9\"";
+        for inside in [
+            format!("<path {hidden} display=\"none\"/>"),
+            format!("<path {hidden} style=\"display:none\"/>"),
+            format!("<g style=\"visibility: hidden\"><path {hidden}/></g>"),
+            format!("<style>.off {{ display: none }}</style><g class=\"off\"><path {hidden}/></g>"),
+        ] {
+            let both = read(&format!("{inside}{shown}"));
+            assert_eq!(both, Ok(vec![c64::new(0.0, 0.0), c64::new(2.0, 0.0)]), "{inside}");
+            assert_eq!(read(&inside).expect_err("nothing is shown").fault, DrawingFault::NoCurve);
+        }
+        let named = drawing(&svg(&format!("<path id=\"a\" display=\"none\" {hidden}/>{shown}")), Some("a"));
+        let error = named.expect_err("it is hidden");
+        assert_eq!((error.line, error.fault), (2, DrawingFault::Hidden));
+        assert!(read("<g visibility=\"hidden\"><path visibility=\"visible\" d=\"M0 0 2 0\"/></g>").is_ok());
+    }
+
+    #[test]
+    fn a_document_type_does_no_harm() {
+        let head = "<?xml version=\"1.0\"?>\n<!DOCTYPE svg PUBLIC \"-//W3C//DTD SVG 1.1//EN\" \"http://www.w3.org/Graphics/SVG/1.1/DTD/svg11.dtd\">\n";
+        let text = format!("{head}{}", svg("<path d=\"M0 0 2 0\"/>"));
+        assert_eq!(drawing(&text, None), Ok(vec![c64::new(0.0, 0.0), c64::new(2.0, 0.0)]));
+    }
+
     proptest! {
+        #[test]
+        fn no_style_panics(style in "[a-z0-9:;(){}., %#!/*-]{0,60}") {
+            let _ = read(&format!("<style>{style}</style><path style=\"{style}\" transform=\"{style}\" d=\"M0 0 1 1\"/>"));
+        }
+
         #[test]
         fn no_path_panics(data in "[MLHVCSQTAZmlhvcsqtaz0-9 ,.e-]{0,40}") {
             if let Ok(points) = read(&format!("<path d=\"M0 0{data}\"/>")) {

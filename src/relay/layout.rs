@@ -1,12 +1,12 @@
 //! Who stands where, takes from whom, turns how far: everything about a relay but the words.
 
-use std::collections::BTreeMap;
 use std::f64::consts::PI;
 
-use super::acts::{Act, PALMS_APART, Place, REACH, STATURE, WIDTH, act, carry, nearest_turn, turn, walk};
+use super::acts::{Act, PALMS_APART, Place, REACH, STATURE, WIDTH, act, nearest_turn};
 use super::chance::{Choice, below, signed};
 use super::curve::{Curve, curve};
 use super::disturbers::{Disturber, disturbers};
+use super::ways::{wait_for_boxes, walk};
 use super::{Disturbance, FARTHEST_DRAG, HEIGHTS, LONGEST_PHASE, Relay, RelayError, counts, most_boxes};
 use crate::geometry::{c64, cis};
 
@@ -30,6 +30,8 @@ pub struct Back {
     pub facing: Option<i32>,
     /// Waits so long, seconds, in halves.
     pub wait: f64,
+    /// Position of its way back in [`Acts::backs`].
+    pub walk: usize,
 }
 
 /// One who carries.
@@ -49,6 +51,14 @@ pub struct Carrier {
     pub comes: bool,
     /// Height, metres.
     pub stature: f64,
+    /// Position of its way with the box in [`Acts::carries`].
+    pub walk: usize,
+    /// When it sets off with the box, seconds, as clips last.
+    pub sets_off: f64,
+    /// When it lets the box go.
+    pub gives: f64,
+    /// So long it turns about with the box, seconds.
+    pub turning: f64,
 }
 
 /// The clips of a relay that all its tracks share.
@@ -62,8 +72,8 @@ pub struct Acts {
     pub come: Act,
     /// Takes the box.
     pub take_over: Act,
-    /// Walks with it.
-    pub carry: Act,
+    /// Ways with it.
+    pub carries: Vec<Act>,
     /// Holds it out.
     pub hand_over: Act,
     /// Puts it down.
@@ -72,8 +82,8 @@ pub struct Acts {
     pub rest: Act,
     /// Turns back without the box.
     pub about: Act,
-    /// Walks back without the box.
-    pub back: Act,
+    /// Ways back without the box.
+    pub backs: Vec<Act>,
 }
 
 /// A relay laid out.
@@ -108,18 +118,19 @@ pub fn layout(relay: &Relay) -> Result<Layout, RelayError> {
     let (carriers, disturbing) = counts(relay)?;
     check(relay, carriers, disturbing)?;
     let (curve, spacing) = curve(&relay.along, carriers, relay.spacing)?;
-    let acts = acts(spacing);
+    let mut acts = acts();
     let starters: Vec<usize> = (0..relay.boxes).map(|load| load * carriers / relay.boxes).collect();
     let mut carriers = chain(relay, (&curve, spacing), (carriers, &starters), &acts);
-    wait_for_boxes(&mut carriers, &acts);
+    walk(&mut carriers, &mut acts);
+    let late =
+        |load: usize| (0.5 * relay.phase * (1.0 + signed(relay.seed, Choice::Beginning, load))).max(0.0);
+    let beginnings: Vec<f64> = (0..relay.boxes).map(|load| hundredths(late(load))).collect();
+    wait_for_boxes(&mut carriers, &beginnings, &acts);
     let far = carriers.iter().map(|carrier| carrier.give.position.norm()).fold(0.0, f64::max);
     if far > FARTHEST {
         return Err(RelayError::TooFar(far));
     }
     let disturbers = disturbers(relay, &mut carriers, disturbing, &acts);
-    let late =
-        |load: usize| (0.5 * relay.phase * (1.0 + signed(relay.seed, Choice::Beginning, load))).max(0.0);
-    let beginnings = (0..relay.boxes).map(|load| hundredths(late(load))).collect();
     Ok(Layout { carriers, disturbers, starters, beginnings, spacing, acts })
 }
 
@@ -149,20 +160,19 @@ fn check(relay: &Relay, carriers: usize, disturbers: usize) -> Result<(), RelayE
     Ok(())
 }
 
-fn acts(spacing: f64) -> Acts {
-    let way = spacing - 2.0 * REACH - PALMS_APART;
+fn acts() -> Acts {
     let box_for = |seconds: f64| [("seconds", seconds), ("width", WIDTH)];
     Acts {
         pick_up: act("pick up", "pick_up", &box_for(2.0), &[]),
         wait: act("wait", "idle", &[("seconds", 1.0)], &[("patted", 15)]),
         come: act("come", "walk", &[("start", 1.0), ("stop", 1.0), ("seconds", 2.5)], &[]),
         take_over: act("take over", "take_over", &box_for(2.0), &[]),
-        carry: carry(way),
+        carries: Vec::new(),
         hand_over: act("hand over", "hand_over", &box_for(2.0), &[]),
         put_down: act("put down", "put_down", &box_for(2.0), &[]),
         rest: act("rest", "idle", &[("seconds", 1.0)], &[]),
         about: act("turn about", "turn", &[("angle", 180.0)], &[]),
-        back: walk(way),
+        backs: Vec::new(),
     }
 }
 
@@ -176,8 +186,25 @@ pub fn statures((shortest, tallest): (f64, f64)) -> Vec<f64> {
 
 /// Height of number `index`.
 pub fn stature(relay: &Relay, choice: Choice, index: usize) -> f64 {
+    stature_within(relay, (choice, index), (0.0, f64::INFINITY))
+}
+
+/// The same among heights within a range; the nearest to it where none is.
+pub fn stature_within(relay: &Relay, (choice, index): (Choice, usize), (from, to): (f64, f64)) -> f64 {
     let all = statures(relay.heights);
-    all[below(all.len(), relay.seed, choice, index)]
+    let (shortest, tallest) = (all[0], all[all.len() - 1]);
+    let within: Vec<f64> = all.into_iter().filter(|height| (from..=to).contains(height)).collect();
+    let chosen = within.get(below(within.len(), relay.seed, choice, index)).copied();
+    chosen.unwrap_or(if tallest < from { tallest } else { shortest })
+}
+
+/// How tall carrier `n` is. A box is offered as high all along as by who picked it up: nobody is so much shorter than others that these
+/// would stoop for it.
+fn carrier_stature(relay: &Relay, n: usize, starts: bool) -> f64 {
+    /// By how much a taker may be taller, metres.
+    const STOOP: f64 = 0.3;
+    let least = if starts { relay.heights.1 - STOOP } else { 0.0 };
+    stature_within(relay, (Choice::CarrierHeight, n), (least, f64::INFINITY))
 }
 
 /// Where hand-over `n` is, between carriers `n` − 1 and `n`; the first and the last are where boxes start and end.
@@ -208,7 +235,7 @@ fn chain(
     for n in 0..count {
         let starts = starters.get(load + usize::from(n > 0)) == Some(&n);
         load += usize::from(starts && n > 0);
-        let stature = stature(relay, Choice::CarrierHeight, n);
+        let stature = carrier_stature(relay, n, starts || n == 0);
         let (here, there) = (meeting(curve, spacing, n, count), meeting(curve, spacing, n + 1, count));
         let before = carriers.last().copied();
         let take = match before {
@@ -229,14 +256,29 @@ fn chain(
         let turned = nearest_turn(facing - take.facing);
         let part = match before {
             None => Part::First,
-            Some(_) if starts => Part::Between(Back { facing: back_turn(facing, take.facing), wait: 1.0 }),
+            Some(_) if starts => {
+                Part::Between(Back { facing: back_turn(facing, take.facing), wait: 1.0, walk: 0 })
+            }
             Some(_) if n + 1 == count => Part::Last(turned),
             Some(_) => Part::Middle(turned),
         };
         let comes =
             below(3, relay.seed, Choice::Coming, n) == 0 && matches!(part, Part::Middle(_) | Part::Last(_));
         let start = start(part, (take, give), comes, acts);
-        carriers.push(Carrier { part, load, start, take, give, comes, stature });
+        let (walk, [sets_off, gives, turning]) = (0, [0.0; 3]);
+        carriers.push(Carrier {
+            part,
+            load,
+            start,
+            take,
+            give,
+            comes,
+            stature,
+            walk,
+            sets_off,
+            gives,
+            turning,
+        });
     }
     carriers
 }
@@ -251,40 +293,13 @@ fn back_turn(facing: f64, taking: f64) -> Option<i32> {
 
 /// Where a track starts.
 fn start(part: Part, (take, give): (Place, Place), comes: bool, acts: &Acts) -> Place {
-    let event = |act: &Act, name: &str| act.clip.clip.events.get(name).map_or(0, |frame| frame.as_usize());
     if matches!(part, Part::First | Part::Between(_)) {
         let place = Place { position: take.position, facing: give.facing };
-        return acts.pick_up.start(event(&acts.pick_up, "grasp"), place);
+        return acts.pick_up.start(acts.pick_up.event("grasp"), place);
     }
-    let place = acts.take_over.start(event(&acts.take_over, "grasp"), take);
+    let place = acts.take_over.start(acts.take_over.event("grasp"), take);
     let first = if comes { &acts.come } else { &acts.wait };
     first.start(first.last(), place)
-}
-
-/// Lets who is back wait until the box before comes, as the clips of all before them last.
-fn wait_for_boxes(carriers: &mut [Carrier], acts: &Acts) {
-    /// From the beginning of a hand-over to its moment, and on to its end: a second each.
-    const HALF: f64 = 1.0;
-    let first = acts.pick_up.seconds() + acts.carry.seconds() + HALF;
-    let mut known = BTreeMap::new();
-    let mut turning = |degrees: i32, with_box: bool| -> f64 {
-        *known.entry((degrees, with_box)).or_insert_with(|| turn(degrees, with_box).seconds())
-    };
-    let mut released = first;
-    for carrier in carriers {
-        match &mut carrier.part {
-            Part::First => {}
-            Part::Middle(turned) | Part::Last(turned) => {
-                released += 2.0 * HALF + turning(*turned, true) + acts.carry.seconds();
-            }
-            Part::Between(back) => {
-                let turned = back.facing.map_or(0.0, |degrees| turning(degrees, false));
-                let ready = first + HALF + acts.about.seconds() + acts.back.seconds() + turned;
-                back.wait = (2.0 * (released - HALF - ready)).round().max(2.0) / 2.0;
-                released = first;
-            }
-        }
-    }
 }
 
 /// Whether anybody disturbs so.
@@ -295,7 +310,6 @@ pub fn disturbed(layout: &Layout, how: Disturbance) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::relay::Along;
     use crate::relay::tests::spiral;
 
     #[test]
@@ -307,19 +321,6 @@ mod tests {
             assert!((between.norm() - apart(giver.stature, taker.stature)).abs() < 1e-9);
             assert!((between / between.norm() - cis(giver.give.facing)).norm() < 1e-9);
             assert!((cis(taker.take.facing) + cis(giver.give.facing)).norm() < 1e-9);
-        }
-    }
-
-    #[test]
-    fn nobody_is_asked_to_go_much_farther_than_the_clip_goes() {
-        for along in [Along::Line, Along::Spiral, Along::Circle] {
-            let layout = layout(&Relay { along, ..spiral() }).expect("it fits");
-            let own = layout.acts.carry.distance();
-            for carrier in &layout.carriers {
-                let asked = (carrier.give.position - carrier.take.position).norm();
-                // A third of it: in the innermost turn chords are shorter than the curve.
-                assert!((asked / own - 1.0).abs() < 0.34, "{asked} of {own}");
-            }
         }
     }
 

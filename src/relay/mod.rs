@@ -3,8 +3,8 @@
 //! Carriers stand along the curve in a zigzag. Each takes a box out of the hands of the one before, face to face, turns, carries
 //! it to the next and holds it out. Boxes start at equal distances; who starts one hands it on, walks back, and puts the box
 //! before it down where that one ends. So every neighbour hands something to the next, and the whole is one chain, however
-//! many boxes there are. Everything is laid out such that little is left to the edit: turns to the nearest 30 degrees, ways to
-//! the nearest step.
+//! many boxes there are. Everything is laid out such that little is left to the edit: turns to the nearest 5 degrees, for every
+//! way a walk of the nearest length. Who gets in the way of one keeps out of all others.
 //!
 //! Same arguments, same bytes: nothing depends on a clock, and what is left to chance is a function of the seed and of who it
 //! is about, so that neighbours keep theirs when others come or go.
@@ -13,11 +13,14 @@
 
 pub mod acts;
 pub mod chance;
+pub mod courses;
 pub mod curve;
 pub mod disturbers;
 pub mod drawing;
 pub mod layout;
 pub mod points;
+pub mod style;
+pub mod ways;
 pub mod write;
 
 use crate::geometry::c64;
@@ -90,7 +93,7 @@ impl Disturbance {
 }
 
 /// Metres from one hand-over to the next where nobody asks for more: about the shortest walk that sets off and halts.
-pub const SPACING: f64 = 3.5;
+pub const SPACING: f64 = 3.3;
 
 /// Metres from one hand-over to the next: two arms' lengths and two steps, and a minute's walk.
 pub const SPACINGS: (f64, f64) = (3.0, 60.0);
@@ -295,7 +298,7 @@ pub(crate) mod tests {
         assert!(matches!(error(Relay { drag: Some(0.0), ..spiral() }), RelayError::Drag(_)));
         assert!(matches!(error(Relay { spacing: Some(f64::NAN), ..spiral() }), RelayError::Spacing(_)));
         assert!(matches!(error(Relay { disturbances: vec![], ..spiral() }), RelayError::NoDisturbance));
-        let far = Relay { characters: 60_000, along: Along::Line, ..spiral() };
+        let far = Relay { characters: 60_000, spacing: Some(3.5), along: Along::Line, ..spiral() };
         assert!(matches!(error(far), RelayError::TooFar(_)));
     }
 }

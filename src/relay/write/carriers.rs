@@ -59,8 +59,9 @@ strength = "hard"
 pub(super) fn first(layout: &Layout) -> String {
     let carrier = &layout.carriers[0];
     format!(
-        "\n[[character]]\nname = \"carrier 1\"\ntrack = [\"pick up\", \"carry\", \"hand over\", \"rest\"]\n\
+        "\n[[character]]\nname = \"carrier 1\"\ntrack = [\"pick up\", \"{}\", \"hand over\", \"rest\"]\n\
          skeleton = \"{}\"\nposition = {}\nfacing = {}\n",
+        way(layout, carrier),
         body(carrier.stature),
         point(carrier.start.position),
         degrees(carrier.start.facing)
@@ -69,20 +70,27 @@ pub(super) fn first(layout: &Layout) -> String {
 
 pub(super) fn middle(relay: &Relay, layout: &Layout) -> Group {
     let rows = layout.carriers.iter().enumerate().filter_map(|(n, carrier)| match carrier.part {
-        Part::Middle(turned) => Some(taker(n, carrier, turned)),
+        Part::Middle(turned) => Some(taker((layout, n), turned)),
         _ => None,
     });
     Group { keys: TAKER, rows: rows.collect(), tables: taking(relay) }
 }
 
-const TAKER: &[&str] = &["n", "box", "comes", "turns", "position", "facing", "body"];
+const TAKER: &[&str] = &["n", "box", "comes", "turns", "walks", "position", "facing", "body"];
 
-fn taker(n: usize, carrier: &Carrier, turned: i32) -> Vec<String> {
+/// Name of a carrier's walk with the box.
+pub(super) fn way<'a>(layout: &'a Layout, carrier: &Carrier) -> &'a str {
+    &layout.acts.carries[carrier.walk].name
+}
+
+fn taker((layout, n): (&Layout, usize), turned: i32) -> Vec<String> {
+    let carrier = &layout.carriers[n];
     vec![
         (n + 1).to_string(),
         (carrier.load + 1).to_string(),
         quoted(if carrier.comes { "come" } else { "wait" }),
         quoted(&turn_name(turned, true)),
+        quoted(way(layout, carrier)),
         point(carrier.start.position),
         degrees(carrier.start.facing),
         quoted(&body(carrier.stature)),
@@ -91,11 +99,11 @@ fn taker(n: usize, carrier: &Carrier, turned: i32) -> Vec<String> {
 
 const CHANGES: &str = r#"
 [group.discrete]
-times = [["carrier {n}/carry:start", "carrier {n}/carry:end"]]
+times = [["carrier {n}/{walks}:start", "carrier {n}/{walks}:end"]]
 "#;
 
 fn taking(relay: &Relay) -> String {
-    let track = r#"["{comes}", "take over", "{turns}", "carry", "hand over", "rest"]"#;
+    let track = r#"["{comes}", "take over", "{turns}", "{walks}", "hand over", "rest"]"#;
     let has = carry(("carrier {n}", "box {box}"), ("take over:grasp", "hand over:release"));
     [character("carrier {n}", track).as_str(), &has, if relay.discrete { CHANGES } else { "" }].concat()
 }
@@ -105,7 +113,8 @@ pub(super) fn between(layout: &Layout) -> Group {
         let Part::Between(back) = carrier.part else {
             return None;
         };
-        let mut way = vec!["pick up", "carry", "hand over", "turn about", "walk back"];
+        let walked = layout.acts.backs[back.walk].name.as_str();
+        let mut way = vec!["pick up", way(layout, carrier), "hand over", "turn about", walked];
         let (turned, wait) =
             (back.facing.map(|degrees| turn_name(degrees, false)), format!("wait {:.1}", back.wait));
         way.extend(turned.as_deref());
@@ -135,7 +144,7 @@ pub(super) fn last(relay: &Relay, layout: &Layout) -> String {
     let Part::Last(turned) = carrier.part else {
         return String::new();
     };
-    let text = group(&Group { keys: TAKER, rows: vec![taker(n, carrier, turned)], tables: taking(relay) });
+    let text = group(&Group { keys: TAKER, rows: vec![taker((layout, n), turned)], tables: taking(relay) });
     text.replace("hand over", "put down")
 }
 

@@ -2,10 +2,11 @@
 
 use std::fmt::Write;
 
+use super::carriers::way;
 use super::text::{Group, HARD, Relative, body, character, degrees, group, point, quoted, relative, sync};
 use crate::geometry::c64;
 use crate::relay::acts::Place;
-use crate::relay::disturbers::{ASIDE_AT, BESIDE, Disturber, PAT_FROM, TAKEOFF, aside_name, pat_from};
+use crate::relay::disturbers::{ASIDE_AT, Disturber, PAT_FROM, TAKEOFF, aside_name, pat_from};
 use crate::relay::layout::{Layout, disturbed};
 use crate::relay::{Disturbance, Relay};
 
@@ -21,8 +22,8 @@ pub(super) fn disturbing(relay: &Relay, layout: &Layout) -> String {
         let own = |disturber: &&(usize, &Disturber)| disturber.1.how == how;
         let all: Vec<(usize, &Disturber)> = layout.disturbers.iter().enumerate().collect();
         let rows = all.iter().filter(own).map(|(index, disturber)| match how {
-            Disturbance::Aside => aside_row(*index, disturber),
-            Disturbance::Jump => jump_row(*index, disturber),
+            Disturbance::Aside => aside_row(layout, *index, disturber),
+            Disturbance::Jump => jump_row(layout, *index, disturber),
             Disturbance::Pat => pat_row(*index, disturber),
         });
         let (keys, tables) = match how {
@@ -46,17 +47,24 @@ fn whom(index: usize, disturber: &Disturber) -> Vec<String> {
     ]
 }
 
-const ASIDE_KEYS: &[&str] = &["n", "carrier", "position", "facing", "body", "steps", "late", "left"];
+const ASIDE_KEYS: &[&str] = &["n", "carrier", "walks", "position", "facing", "body", "steps", "late", "left"];
 
-fn aside_row(index: usize, disturber: &Disturber) -> Vec<String> {
+/// With the name of the carrier's walk.
+fn walking(layout: &Layout, index: usize, disturber: &Disturber) -> Vec<String> {
     let mut row = whom(index, disturber);
+    row.insert(2, quoted(way(layout, &layout.carriers[disturber.whom])));
+    row
+}
+
+fn aside_row(layout: &Layout, index: usize, disturber: &Disturber) -> Vec<String> {
+    let mut row = walking(layout, index, disturber);
     let side = if disturber.left { ASIDE_AT.1 } else { -ASIDE_AT.1 };
     row.extend([quoted(aside_name(!disturber.left)), format!("{:.2}", disturber.late), format!("{side:.1}")]);
     row
 }
 
 /// A carrier's moment half way.
-const HALFWAY: &str = "carrier {carrier}/carry:halfway";
+const HALFWAY: &str = "carrier {carrier}/{walks}:halfway";
 /// What such a moment is held together with.
 const AS_COMES: &str = "disturber {n} as carrier {carrier} comes";
 
@@ -74,17 +82,18 @@ fn aside_tables() -> String {
 }
 
 const JUMP_KEYS: &[&str] =
-    &["n", "carrier", "position", "facing", "body", "hurdle", "heading", "late", "left"];
+    &["n", "carrier", "walks", "position", "facing", "body", "hurdle", "heading", "late", "past", "left"];
 
-fn jump_row(index: usize, disturber: &Disturber) -> Vec<String> {
-    let mut row = whom(index, disturber);
+fn jump_row(layout: &Layout, index: usize, disturber: &Disturber) -> Vec<String> {
+    let mut row = walking(layout, index, disturber);
     let hurdle = disturber.hurdle.unwrap_or(Place { position: c64::new(0.0, 0.0), facing: 0.0 });
-    let side = if disturber.left { BESIDE.1 } else { -BESIDE.1 };
+    let (past, left) = disturber.beside;
     row.extend([
         point(hurdle.position),
         degrees(hurdle.facing),
         format!("{:.2}", disturber.late),
-        format!("{side:.1}"),
+        format!("{past:.1}"),
+        format!("{left:.1}"),
     ]);
     row
 }
@@ -111,7 +120,7 @@ facing = "{heading}"
         name: "carrier {carrier} beside hurdle {n}",
         at: HALFWAY,
         to: "hurdle {n}",
-        offset: &format!("[{:?}, \"{{left}}\"]", BESIDE.0),
+        offset: "[\"{past}\", \"{left}\"]",
         facing: None,
         strength: "1.0",
     });

@@ -83,7 +83,7 @@ fn clips(relay: &Relay, layout: &Layout) -> String {
     let acts = &layout.acts;
     let has = |part: fn(&Part) -> bool| layout.carriers.iter().any(|carrier| part(&carrier.part));
     let between = has(|part| matches!(part, Part::Between(_)));
-    let mut all: Vec<&Act> = vec![&acts.pick_up, &acts.carry, &acts.hand_over, &acts.put_down, &acts.rest];
+    let mut all: Vec<&Act> = vec![&acts.pick_up, &acts.hand_over, &acts.put_down, &acts.rest];
     if has(|part| matches!(part, Part::Middle(_) | Part::Last(_))) {
         all.extend(
             layout.carriers.iter().any(|carrier| is_taker(carrier) && !carrier.comes).then_some(&acts.wait),
@@ -93,7 +93,8 @@ fn clips(relay: &Relay, layout: &Layout) -> String {
     let come = jumps || layout.carriers.iter().any(|carrier| carrier.comes);
     all.extend(come.then_some(&acts.come));
     all.push(&acts.take_over);
-    all.extend(between.then_some([&acts.about, &acts.back]).into_iter().flatten());
+    all.extend(between.then_some(&acts.about));
+    all.extend(acts.carries.iter().chain(&acts.backs));
     let mut made: Vec<Act> = turns(layout, true).into_iter().map(|degrees| turn(degrees, true)).collect();
     made.extend(turns(layout, false).into_iter().map(|degrees| turn(degrees, false)));
     made.extend(disturbing_clips(layout));
