@@ -183,7 +183,12 @@ pub struct Held {
 impl Held {
     /// When either is held.
     pub fn any(&self) -> Vec<bool> {
-        self.heel.iter().zip(&self.toe).map(|(heel, toe)| heel.is_some() || toe.is_some()).collect()
+        (0..self.heel.len()).map(|at| self.any_at(at)).collect()
+    }
+
+    /// Whether either is held at sample `at`.
+    pub fn any_at(&self, at: usize) -> bool {
+        self.heel[at].is_some() || self.toe[at].is_some()
     }
 
     fn add(&mut self, sole: Sole, holds: &[Hold]) {

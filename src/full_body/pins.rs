@@ -32,8 +32,8 @@ pub struct Standing<'a> {
     times: &'a [f64],
     foot: Foot<'a>,
     held: Held,
-    /// Whether contacts are held all along.
-    is_whole: bool,
+    /// When heel or toe bears, where contacts are held all along.
+    whole: Option<Vec<bool>>,
 }
 
 impl<'a> Standing<'a> {
@@ -42,23 +42,23 @@ impl<'a> Standing<'a> {
     pub fn gentle(times: &'a [f64], leg: &'a LegTrack, largest_turn: f64) -> Self {
         let foot = Foot::new(leg, largest_turn);
         let held = held(times, &foot, leg);
-        Self { times, foot, held, is_whole: false }
+        Self { times, foot, held, whole: None }
     }
 
     /// All contacts from their first sample to their last, however far joints turn. Cost: linear.
     pub fn whole(times: &'a [f64], leg: &'a LegTrack) -> Self {
         let foot = Foot::new(leg, f64::INFINITY);
         let held = whole(&foot, leg);
-        Self { times, foot, held, is_whole: true }
+        Self { times, foot, held, whole: Some(leg.bears()) }
     }
 
     /// What that asks of the captured foot. `fade`: seconds in which corrections vanish outside.
     pub fn pins(&self, fade: f64) -> Pins {
         let is_held = |places: &[Option<DVec3>]| places.iter().map(Option::is_some).collect();
-        let slopes = if self.is_whole { Slopes::Kept } else { Slopes::Level };
+        let slopes = if self.whole.is_some() { Slopes::Kept } else { Slopes::Level };
         let mut corrections = corrections(self.times, &self.foot, &self.held, (fade, slopes));
-        if self.is_whole {
-            raise(&self.foot, &self.held, &mut corrections);
+        if let Some(bears) = &self.whole {
+            raise(&self.foot, (&self.held, bears), &mut corrections);
         }
         Pins { corrections, heel: is_held(&self.held.heel), toe: is_held(&self.held.toe) }
     }
@@ -108,14 +108,9 @@ fn corrections(times: &[f64], foot: &Foot, held: &Held, (fade, slopes): (f64, Sl
 /// By what the foot turns: where both points are held as these ask for, where one is as the joints like best, and without a
 /// jump from one to the other.
 fn turns(times: &[f64], foot: &Foot, (held, any): (&Held, &[bool]), slopes: Slopes) -> Vec<[DVec3; 1]> {
-    let best = |at: usize| match (held.heel[at], held.toe[at]) {
-        (_, Some(toe)) => foot.to_toe(at, toe)[1],
-        (Some(heel), None) => foot.to_heel(at, heel)[1],
-        (None, None) => DVec3::ZERO,
-    };
-    let best: Vec<DVec3> = (0..times.len()).map(best).collect();
     let both: Vec<bool> =
         held.heel.iter().zip(&held.toe).map(|(heel, toe)| heel.is_some() && toe.is_some()).collect();
+    let best = best_turns(times, foot, held, &both);
     let mut beyond = vec![[DVec3::ZERO]; times.len()];
     for (at, beyond) in beyond.iter_mut().enumerate() {
         if let (Some(heel), Some(toe)) = (held.heel[at], held.toe[at]) {
@@ -127,6 +122,30 @@ fn turns(times: &[f64], foot: &Foot, (held, any): (&Held, &[bool]), slopes: Slop
         best.iter().zip(&beyond).map(|(best, beyond)| [*best + beyond[0]]).collect();
     fill(times, &spans(any), (BLEND, slopes), &mut turns);
     turns
+}
+
+/// By what the foot turns as the joints like best: about the one point that is held; where `both` are, from what suits the one held
+/// alone before to what suits the one held alone after.
+fn best_turns(times: &[f64], foot: &Foot, held: &Held, both: &[bool]) -> Vec<DVec3> {
+    let by_heel = |at: usize| held.heel[at].map(|heel| foot.to_heel(at, heel)[1]);
+    let by_toe = |at: usize| held.toe[at].map(|toe| foot.to_toe(at, toe)[1]);
+    let mut best: Vec<DVec3> =
+        (0..times.len()).map(|at| by_toe(at).or_else(|| by_heel(at)).unwrap_or(DVec3::ZERO)).collect();
+    let is_heel = |at: usize| held.any_at(at).then(|| held.toe[at].is_none());
+    for Span { first, last } in spans(both) {
+        let before = first.checked_sub(1).and_then(is_heel);
+        let after = (last + 1 < times.len()).then_some(last + 1).and_then(is_heel);
+        let heel_share = |is_heel: Option<bool>| if is_heel == Some(true) { 1.0 } else { 0.0 };
+        let [early, late] = [before.or(after), after.or(before)].map(heel_share);
+        for at in first..=last {
+            let passed = (times[at] - times[first]) / (times[last] - times[first]).max(f64::MIN_POSITIVE);
+            let share = early + (late - early) * passed;
+            if let (Some(heel), Some(toe)) = (by_heel(at), by_toe(at)) {
+                best[at] = heel * share + toe * (1.0 - share);
+            }
+        }
+    }
+    best
 }
 
 /// A displacement, or as much of it as turns no joint of the leg too far: a faded one is small, but a

@@ -11,7 +11,7 @@ use crate::full_body::fade::Span;
 use crate::full_body::holding::{Foot, Held, Sole};
 use crate::full_body::pins::spans;
 use crate::full_body::plants::{Displacement, LegTrack};
-use crate::geometry::{exp, log};
+use crate::geometry::{exp, log, smoothstep};
 use crate::limb::minimal_rotation;
 
 /// Sweeps over the pairs of contacts that bear at once. Two are apart right after one; a toe that bears through several contacts of
@@ -20,6 +20,11 @@ const SWEEPS: usize = 100;
 
 /// A foot points no steeper than this up or down, share of its length.
 const STEEPEST: f64 = 0.95;
+
+/// A foot in the air that points no steeper than this, share of its length, is tilted so that its toe is above the ground …
+const TILTED: f64 = 0.75;
+/// … and one that points steeper than this is lifted.
+const LIFTED: f64 = 0.92;
 
 /// A contact, and where it is held.
 struct Contact {
@@ -141,9 +146,10 @@ fn keep_apart(heel: &mut Contact, toe: &mut Contact, length: f64) {
 }
 
 /// Raises what the `corrections` of a foot do to a point that is not held where that would bring it below the ground: the lowest
-/// captured place of the steps before and after, or of itself. A foot held by one point turns about it. Cost: linear.
-pub fn raise(foot: &Foot, held: &Held, corrections: &mut [Displacement]) {
-    let grounds = grounds(foot, &held.any());
+/// captured place of the steps before and after, in which it `bears`, or of itself. A foot held by one point turns about it.
+/// Cost: linear.
+pub fn raise(foot: &Foot, (held, bears): (&Held, &[bool]), corrections: &mut [Displacement]) {
+    let grounds = grounds(foot, bears);
     for (at, ([ankle, toe], correction)) in grounds.into_iter().zip(corrections).enumerate() {
         let lever = foot.toes[at] - foot.heels[at];
         let [shift, turn] = correction;
@@ -160,10 +166,21 @@ pub fn raise(foot: &Foot, held: &Held, corrections: &mut [Displacement]) {
             }
         }
         let (at_ankle, turned) = (foot.heels[at] + *shift, exp(*turn) * lever);
-        if is_free(&held.toe[at]) && at_ankle.y + turned.y < toe {
-            *turn = log(tilt(turned, toe - at_ankle.y) * exp(*turn));
+        let missing = toe - at_ankle.y - turned.y;
+        if is_free(&held.toe[at]) && missing > 0.0 {
+            let lifted = if is_free(&held.heel[at]) { missing * steepness(turned) } else { 0.0 };
+            shift.y += lifted;
+            if lifted < missing {
+                *turn = log(tilt(turned, turned.y + missing - lifted) * exp(*turn));
+            }
         }
     }
+}
+
+/// How steep a foot points, from 0 (it can be tilted) to 1 (it is lifted instead: tilting hardly changes the height of its end).
+fn steepness(lever: DVec3) -> f64 {
+    let share = lever.y.abs() / lever.length().max(f64::MIN_POSITIVE);
+    smoothstep((share - TILTED) / (LIFTED - TILTED))
 }
 
 /// The turn that brings the end of `lever` to `height` above its beginning.
@@ -245,8 +262,8 @@ mod tests {
         let held = whole(&foot, &leg);
         let down = [DVec3::Y * -0.05, DVec3::ZERO];
         let mut corrections = vec![down; leg.heel.len()];
-        raise(&foot, &held, &mut corrections);
-        let grounds = grounds(&foot, &held.any());
+        raise(&foot, (&held, &leg.bears()), &mut corrections);
+        let grounds = grounds(&foot, &leg.bears());
         for (at, [shift, turn]) in corrections.into_iter().enumerate() {
             let ankle = foot.heels[at] + shift;
             let toe = ankle + exp(turn) * (foot.toes[at] - foot.heels[at]);
@@ -261,6 +278,24 @@ mod tests {
                     assert!(ankle.y > grounds[at][0] - ROUNDING && toe.y > grounds[at][1] - ROUNDING)
                 }
             }
+        }
+    }
+
+    #[test]
+    fn a_foot_that_points_straight_down_is_lifted_and_not_swung_aside() {
+        let leg = left();
+        let mut foot = Foot::new(&leg, f64::INFINITY);
+        for at in 0..leg.heel.len() {
+            foot.heels[at].y = if at == 0 { 0.1 } else { 0.2 };
+            foot.toes[at] = foot.heels[at].with_y(0.0);
+        }
+        let nothing = || vec![None; leg.heel.len()];
+        let held = Held { heel: nothing(), toe: nothing() };
+        let bears: Vec<bool> = (0..leg.heel.len()).map(|at| at == 0).collect();
+        let mut corrections = vec![[DVec3::Y * -0.002, DVec3::ZERO]; leg.heel.len()];
+        raise(&foot, (&held, &bears), &mut corrections);
+        for [shift, turn] in corrections {
+            assert!(shift.length() < ROUNDING && turn == DVec3::ZERO, "{shift} {turn}");
         }
     }
 }

@@ -29,7 +29,9 @@ use measure::{
     below_ground, beyond_limits, bone_change, height_change, knee_acceleration, largest_change, slide,
 };
 use roll::{ROLLS, rolls_too_far_to_be_held};
-use still::{bearing_frames, hardly_changes, hardly_changes_at_own_rate, held_points, stands_all_along};
+use still::{
+    bearing_frames, hardly_changes, hardly_changes_at_own_rate, held_points, lands_softly, stands_all_along,
+};
 use stride::{STRIDES, strides_too_far_to_be_held};
 use tear::{Strides, factors, is_torn};
 
@@ -121,6 +123,7 @@ fn main() {
     }
     for file in CLIPS.into_iter().filter(|file| file.contains("cmu_16") && file.contains("walk")) {
         push(format!("{file} hardly changes when pinned"), hardly_changes, file);
+        push(format!("{file} lands softly where held all along at 120 frames a second"), lands_softly, file);
         push(
             format!("{file} hardly changes when pinned at 120 frames a second"),
             hardly_changes_at_own_rate,

@@ -2,9 +2,10 @@
 
 use std::path::Path;
 
-use cotillion::clip::contacts::{ContactPoint, Contacts, runs};
+use cotillion::clip::contacts::{ContactPoint, Contacts, contact_point, runs};
 use cotillion::full_body::plants::{FEET, bearing};
 use cotillion::full_body::{PlantMode, WholeContact};
+use cotillion::skeleton::{Pose, Skeleton};
 use libtest_mimic::Failed;
 
 use crate::clips::{Walk, load};
@@ -110,4 +111,31 @@ fn unheld_steps(contacts: &[Contacts], planted: &[Contacts]) -> usize {
         steps.filter(|(first, last)| !held[*first..=*last].contains(&true)).count()
     };
     unheld(0) + unheld(1)
+}
+
+/// Feet held all along land and leave without a jump, also where frames are close: heels and toes speed up hardly harder than
+/// captured.
+pub(crate) fn lands_softly(folder: &Path, file: &str) -> Result<(), Failed> {
+    let walk = load(folder, file)?.at_rate(OWN_RATE);
+    let stretch = walk.stretch((0, walk.poses.len() - 1));
+    let result = refined(&stretch, stretch.rest, PlantMode::Whole);
+    for point in ContactPoint::FEET {
+        let hardest = |poses| hardest(walk.skeleton(), poses, point);
+        let (captured, found) = (hardest(stretch.rest), hardest(&result.poses));
+        if found > JOLT * captured {
+            return Err(format!("{point:?}: {found:.0} m/s² instead of {captured:.0}").into());
+        }
+    }
+    Ok(())
+}
+
+/// Heels and toes may speed up so many times harder than captured: they stand and set off later.
+const JOLT: f64 = 1.5;
+
+/// Largest acceleration of a point of a foot by second differences, m/s².
+fn hardest(skeleton: &Skeleton, poses: &[Pose], point: ContactPoint) -> f64 {
+    let at = contact_point(skeleton, point).expect("captured feet have heels and toes");
+    let places: Vec<_> = poses.iter().map(|pose| at.place(&skeleton.forward_kinematics(pose))).collect();
+    let second = places.windows(3).map(|near| (near[2] - near[1] * 2.0 + near[0]).length());
+    second.fold(0.0, f64::max) * OWN_RATE * OWN_RATE
 }
