@@ -253,10 +253,16 @@ pub fn popped(skeleton: &Skeleton, times: &[f64], legs: &[Leg], poses: &[Pose]) 
     legs.iter().map(of_leg).collect()
 }
 
-/// Where a foot held all along jerks its knee half as hard again as the capture does any, or does not reach where it is held.
+/// Where a foot held all along jerks its knee half as hard again as the capture does any, or does not reach where it is held; hands
+/// and elbows alike.
 pub fn overstrained(skeleton: &Skeleton, times: &[f64], legs: &[Leg], poses: &[Pose]) -> Vec<Vec<bool>> {
-    let most = legs.iter().map(|leg| hardest(times, &leg.track.rest)).fold(0.0, f64::max);
+    let hardest_of = |arms: bool| {
+        let alike = legs.iter().filter(|leg| leg.is_arm() == arms);
+        alike.map(|leg| hardest(times, &leg.track.rest)).fold(0.0, f64::max)
+    };
+    let (knees, elbows) = (hardest_of(false), hardest_of(true));
     let of_leg = |leg: &Leg| {
+        let most = if leg.is_arm() { elbows } else { knees };
         let places: Vec<Place> = poses.iter().map(|pose| leg.chain.place(skeleton, pose)).collect();
         let misses = |at: usize| leg.stands(at) && leg.miss(at, &places[at]) > TOLERATED;
         let jerked = jerked(times, places.iter().copied(), WHOLE_POPS * most);
