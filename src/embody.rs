@@ -16,9 +16,10 @@ use rayon::prelude::*;
 use crate::clip::Clip;
 use crate::clip::contacts::annotated::AnnotatedContact;
 use crate::clip::contacts::{ContactPoint, Contacts, runs};
+use crate::clip::working::{WORKING_STEP, WorkingClip};
 use crate::edit::{Edit, Moved};
 use crate::fingers::hold_fingers;
-use crate::full_body::{BodyInput, BodyReport, Cut, Effector, PlantMode, Seams, Target, refine};
+use crate::full_body::{BodyInput, BodyReport, Cut, Effector, Jerks, PlantMode, Seams, Target, refine};
 use crate::geometry::slerp;
 use crate::index::{CharacterId, SourceFrame};
 use crate::object_motion::{Performance, object_motions, skeleton_of};
@@ -233,6 +234,7 @@ fn body(stage: &Stage<'_, Moved<'_>>, so_far: &SoFar<'_>, (who, clock): (Charact
         contacts: shown_contacts_at(track, &frames),
         effectors,
         seams: seams(track, &frames),
+        source: source_jerks(scene, who),
         times,
     };
     hold_fingers(stage, who, (&input.times, &mut input.moved));
@@ -252,6 +254,21 @@ fn plant_mode(scene: &Scene) -> PlantMode {
         Plants::Pinned => PlantMode::Pinned,
         Plants::Whole => PlantMode::Whole,
     }
+}
+
+/// How hard the clips of somebody's track jerk the limbs: only contacts that are held as wholes ask. Cost: linear in the clips.
+fn source_jerks(scene: &Scene, who: CharacterId) -> Jerks {
+    if plant_mode(scene) != PlantMode::Whole {
+        return Jerks::default();
+    }
+    let jerks = |clip: &Arc<WorkingClip>| {
+        let frames = 0..clip.frame_count();
+        let times: Vec<f64> = frames.clone().map(|frame| frame as f64 * WORKING_STEP).collect();
+        let poses: Vec<Pose> = frames.map(|frame| clip.pose(frame as f64)).collect();
+        Jerks::of(&clip.clip.skeleton, &times, &poses)
+    };
+    let clips = scene.characters[who.as_usize()].track.clips.iter();
+    clips.map(jerks).fold(Jerks::default(), Jerks::max)
 }
 
 /// Where hands and other ends of somebody must be, as others are so far.

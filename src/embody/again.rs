@@ -5,7 +5,9 @@ use std::collections::{BTreeMap, BTreeSet};
 use rayon::prelude::*;
 
 use super::hips::{hips, within_legs};
-use super::{Body, Embodied, SoFar, effectors, in_turn, known_by, plant_mode, rounds, sample_times, show};
+use super::{
+    Body, Embodied, SoFar, effectors, in_turn, known_by, plant_mode, rounds, sample_times, show, source_jerks,
+};
 use crate::clip::Clip;
 use crate::edit::Moved;
 use crate::full_body::{BodyInput, BodyReport, Effector, PlantedPoint, Seams, refine};
@@ -81,6 +83,7 @@ fn corrected(
             .collect(),
         // Joined motion is one by now.
         seams: Seams::default(),
+        source: source_jerks(scene, who),
         times: start.times.clone(),
     };
     let skeleton = skeleton_of(scene, who);
