@@ -2,7 +2,7 @@
 
 use crate::clip::Clip;
 use crate::clip::note::ReadNote;
-use crate::index::SourceFrame;
+use crate::index::{SourceFrame, floor_index};
 
 /// A body that comes to a rest does so more slowly than within one frame: no slower than this is it frozen, m/s.
 const MOVING: f64 = 0.5;
@@ -16,7 +16,7 @@ pub(super) fn leave_out(clip: &mut Clip, notes: &mut Vec<ReadNote>) {
     let (first, last) = (clip.usable.0.as_usize(), clip.usable.1.as_usize());
     let id = SourceFrame::from_usize;
     let is_same = |a: usize, b: usize| clip.pose(id(a)) == clip.pose(id(b));
-    let longest = (LONGEST * clip.fps).ceil() as usize;
+    let longest = floor_index(LONGEST * clip.fps + 0.5);
     let stops = |still: usize, moving: usize| {
         let way = clip.root_positions[still].distance(clip.root_positions[moving]);
         way * clip.fps > MOVING
