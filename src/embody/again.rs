@@ -5,9 +5,8 @@ use std::collections::{BTreeMap, BTreeSet};
 use rayon::prelude::*;
 
 use super::hips::{hips, within_legs};
-use super::{
-    Body, Embodied, SoFar, effectors, in_turn, known_by, plant_mode, rounds, sample_times, show, source_jerks,
-};
+use super::source::source_jerks;
+use super::{Body, Embodied, SoFar, effectors, in_turn, known_by, plant_mode, rounds, sample_times, show};
 use crate::clip::Clip;
 use crate::edit::Moved;
 use crate::full_body::{BodyInput, BodyReport, Effector, PlantedPoint, Seams, refine};

@@ -283,7 +283,12 @@ impl Jerks {
 /// held; hands and elbows alike.
 pub fn overstrained(skeleton: &Skeleton, input: &BodyInput, legs: &[Leg], poses: &[Pose]) -> Vec<Vec<bool>> {
     let times = &input.times;
-    let Jerks { knees, elbows } = Jerks::of(skeleton, times, &input.rest).max(input.source);
+    let hardest_of = |arms: bool| {
+        let alike = legs.iter().filter(|leg| leg.is_arm() == arms);
+        alike.map(|leg| hardest(times, &leg.track.rest)).fold(0.0, f64::max)
+    };
+    let shown = Jerks { knees: hardest_of(false), elbows: hardest_of(true) };
+    let Jerks { knees, elbows } = shown.max(input.source);
     let of_leg = |leg: &Leg| {
         let most = if leg.is_arm() { elbows } else { knees };
         let places: Vec<Place> = poses.iter().map(|pose| leg.chain.place(skeleton, pose)).collect();
