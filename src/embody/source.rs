@@ -40,3 +40,48 @@ pub(super) fn source_jerks(scene: &Scene, who: CharacterId) -> Jerks {
     let clips = scene.characters[who.as_usize()].track.clips.iter();
     clips.map(jerks).fold(Jerks::default(), Jerks::max)
 }
+
+#[cfg(test)]
+mod tests {
+    use std::path::Path;
+
+    use super::*;
+    use crate::discrete::remap::spliced;
+    use crate::scene::{ClipFolders, load_text};
+    use crate::track::{Keep, Splice};
+
+    fn walker(plants: &str) -> Scene {
+        let text = format!(
+            "fps = 30\n[clips]\nwalk = {{ builtin = \"walk\" }}\n[[character]]\nname = \"ann\"\ntrack = [\"walk\"]\n\
+             [full_body]\nplants = \"{plants}\"\n"
+        );
+        load_text(&text, Path::new("walker.toml"), &ClipFolders::default()).expect("a sound scene").scene
+    }
+
+    /// Jerks of the frames that the track shows.
+    fn shown(scene: &Scene) -> Jerks {
+        let track = &scene.characters[0].track;
+        let frames = 0..track.frame_count();
+        let times: Vec<f64> = frames.clone().map(|frame| frame as f64 * WORKING_STEP).collect();
+        let poses: Vec<Pose> = frames.map(|frame| track.pose(frame as f64)).collect();
+        Jerks::of(&track.clips[0].clip.skeleton, &times, &poses)
+    }
+
+    #[test]
+    fn frames_taken_out_of_a_track_still_say_how_hard_its_clip_jerks() {
+        let scene = walker("whole");
+        let whole = source_jerks(&scene, CharacterId(0));
+        assert_eq!(whole, shown(&scene));
+        let last = scene.characters[0].track.frame_count() - 1;
+        let short = spliced(&scene, CharacterId(0), &Splice::delete(8, last), Keep::First).expect("a splice");
+        assert!(shown(&short).knees < 0.9 * whole.knees, "{:?} {whole:?}", shown(&short));
+        assert_eq!(source_jerks(&short, CharacterId(0)), whole);
+    }
+
+    #[test]
+    fn only_contacts_held_as_wholes_ask_how_hard_clips_jerk() {
+        for plants in ["as-captured", "pinned"] {
+            assert_eq!(source_jerks(&walker(plants), CharacterId(0)), Jerks::default());
+        }
+    }
+}
