@@ -2,7 +2,7 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use crate::clip::facing::facing;
+use crate::clip::facing::pose_facing;
 use crate::constraint::Moment;
 use crate::edit::expand::{Expansion, expand};
 use crate::edit::following::{in_the_world, object_pose, wanted};
@@ -211,7 +211,7 @@ fn motion_stance((scene, edit): (&Scene, &Edit), result: &impl Performance, plac
     let pose = result.pose(who, place.frame);
     let skeleton = skeleton_of(scene, who);
     let turned = place.heading + edit.characters[place.path].turns.at(place.frame);
-    let heading = facing(skeleton, &skeleton.forward_kinematics(&pose)).unwrap_or(turned);
+    let heading = pose_facing(skeleton, &pose).unwrap_or(turned);
     Stance { position: plan_of(pose.root), heading }
 }
 

@@ -180,20 +180,32 @@ impl Skeleton {
     pub fn forward_kinematics(&self, pose: &Pose) -> Vec<JointFrame> {
         let mut frames: Vec<JointFrame> = Vec::with_capacity(self.joints.len());
         for (index, joint) in self.joints.iter().enumerate() {
-            let frame = match joint.parent {
-                None => JointFrame { position: pose.root, rotation: pose.rotations[0] },
-                Some(parent) => {
-                    let above = frames[parent.as_usize()];
-                    let offset = pose.offset_of(JointId::from_usize(index)).unwrap_or(joint.offset);
-                    JointFrame {
-                        position: above.position + above.rotation * offset,
-                        rotation: above.rotation * pose.rotations[index],
-                    }
-                }
-            };
-            frames.push(frame);
+            let above = joint.parent.map(|parent| frames[parent.as_usize()]);
+            frames.push(self.frame_below(above, pose, JointId::from_usize(index)));
         }
         frames
+    }
+
+    /// World frame of one joint. Cost: by the joints from the root to it.
+    pub fn joint_frame(&self, pose: &Pose, joint: JointId) -> JointFrame {
+        let parent = |below: &JointId| self.joints[below.as_usize()].parent;
+        let chain: Vec<JointId> = std::iter::successors(Some(joint), parent).collect();
+        let from_root = chain.iter().rev();
+        let frame = from_root.fold(None, |above, joint| Some(self.frame_below(above, pose, *joint)));
+        frame.expect("a chain ends at its joint")
+    }
+
+    /// World frame of a joint below another frame, or of the root.
+    fn frame_below(&self, above: Option<JointFrame>, pose: &Pose, joint: JointId) -> JointFrame {
+        let index = joint.as_usize();
+        let Some(above) = above else {
+            return JointFrame { position: pose.root, rotation: pose.rotations[0] };
+        };
+        let offset = pose.offset_of(joint).unwrap_or(self.joints[index].offset);
+        JointFrame {
+            position: above.position + above.rotation * offset,
+            rotation: above.rotation * pose.rotations[index],
+        }
     }
 
     /// Same names, parents and offsets (1e-6 m): clips of such skeletons go on one track as they are.

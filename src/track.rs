@@ -6,7 +6,7 @@ mod string;
 
 use std::sync::Arc;
 
-use crate::clip::facing::facing;
+use crate::clip::facing::pose_facing;
 use crate::clip::working::WorkingClip;
 use crate::constraint::Instant;
 use crate::geometry::{RigidMotion, c64, slerp};
@@ -177,7 +177,7 @@ impl Track {
         let working = f64::from(run.first.0) + frame - start as f64;
         let known = clip.facing(working.min(f64::from(run.last.0) + clip.overhang)) + run.placement.angle();
         let skeleton = &clip.clip.skeleton;
-        facing(skeleton, &skeleton.forward_kinematics(&self.pose(frame))).unwrap_or(known)
+        pose_facing(skeleton, &self.pose(frame)).unwrap_or(known)
     }
 }
 

@@ -131,7 +131,11 @@ impl Bent {
         let (mut last, mut missed, mut refinements, mut settled) = (1.0, f64::INFINITY, 0, false);
         for step in 0..=MOST_REFINEMENTS {
             factor.substitute(&mut self.residual, &mut self.scratch);
-            self.unknowns.iter_mut().zip(&self.residual).for_each(|(u, change)| u.add(*change));
+            let changed = self.unknowns.iter_mut().zip(&self.residual);
+            match step {
+                0 => changed.for_each(|(u, first)| u.high = *first),
+                _ => changed.for_each(|(u, change)| u.add(*change)),
+            }
             let correction = self.bend_nodes(problem, step >= FIRST_COMPENSATED_STEP);
             self.find_residual(problem, targets);
             let misses = relative_to(largest(&self.residual[..problem.rows.len()]), scale);

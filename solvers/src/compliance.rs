@@ -327,7 +327,7 @@ impl ComplianceFactor {
         if size > MOST_INVERTED {
             return self.substituted_columns(indices);
         }
-        let all = || self.substituted_columns(&(0..size).collect::<Vec<_>>());
+        let all = || parts(&self.lu.inverse(&self.plan.assembly.pattern), size);
         self.inverse.get_or_init(all).each_ref().map(|part| part.select_columns(indices))
     }
 
@@ -338,9 +338,15 @@ impl ComplianceFactor {
             columns[column * size + index] = c64::new(1.0, 0.0);
         }
         self.lu.substitute_columns(&mut columns, indices.len());
-        let part = |of: fn(&c64) -> f64| DMatrix::from_iterator(size, indices.len(), columns.iter().map(of));
-        [part(|value| value.re), part(|value| value.im)]
+        parts(&columns, size)
     }
+}
+
+/// Columns of `size` entries, one after the other, as a matrix.
+fn parts(columns: &[c64], size: usize) -> Parts {
+    let count = columns.len() / size.max(1);
+    let part = |of: fn(&c64) -> f64| DMatrix::from_iterator(size, count, columns.iter().map(of));
+    [part(|value| value.re), part(|value| value.im)]
 }
 
 fn check(problem: &Compliance) -> Result<(), KktError> {

@@ -19,6 +19,7 @@
 use std::sync::Arc;
 
 use nalgebra::{DMatrix, DVector, Dyn, LU};
+use pulp::Arch;
 
 use crate::c64;
 use crate::compliance::Compliance;
@@ -27,7 +28,8 @@ use crate::pieces::cut_path;
 use crate::points::PointRow;
 use crate::springs::SpringPath;
 
-/// Real and imaginary part: products of real numbers are several times as fast as those of complex ones.
+/// Real and imaginary part: products of real numbers are several times as fast as those of complex ones. Sums over their columns
+/// are [dispatched](Arch::dispatch) to the widest vectors there are; they are the same by any.
 pub(crate) type Parts = [DMatrix<f64>; 2];
 
 /// The update of a factorisation.
@@ -51,7 +53,7 @@ pub(crate) struct Difference {
     /// U.
     left: Parts,
     /// Vᴴ.
-    right: DMatrix<c64>,
+    right: Parts,
 }
 
 /// All that the entries of two paths on one border follow from.
@@ -94,8 +96,9 @@ impl Difference {
             part.row_iter_mut().zip(ratios(0)).for_each(|(mut row, ratio)| row *= ratio);
         }
         let mut right = self.right.clone();
-        let columns = right.column_iter_mut().zip(ratios(1));
-        columns.for_each(|(mut column, ratio)| column *= c64::new(ratio, 0.0));
+        for part in &mut right {
+            part.column_iter_mut().zip(ratios(1)).for_each(|(mut column, ratio)| column *= ratio);
+        }
         Some(Self { basis: basis.clone(), left, right })
     }
 }
@@ -115,9 +118,9 @@ impl Exchange {
         columns: Arc<Parts>,
         (inverse, difference): (&Parts, Difference),
     ) -> Option<Self> {
-        let rank = difference.right.nrows();
+        let rank = difference.right[0].nrows();
         let forced = product(inverse, &difference.left);
-        let system = DMatrix::identity(rank, rank) + &difference.right * joined(&forced);
+        let system = DMatrix::identity(rank, rank) + joined(&product(&difference.right, &forced));
         let system = system.lu();
         let pivots = (0..rank).map(|k| system.lu_internal()[(k, k)].norm());
         let (least, most) = pivots.fold((f64::INFINITY, 0.0_f64), |(a, b), own| (a.min(own), b.max(own)));
@@ -128,11 +131,11 @@ impl Exchange {
     /// From the solution of the system as factored to that of the exchanged one.
     pub(crate) fn correct(&self, x: &mut [c64]) {
         let Difference { left, right, .. } = &self.difference;
-        if right.nrows() == 0 {
+        if right[0].nrows() == 0 {
             return;
         }
-        let own = DVector::from_iterator(self.border.len(), self.border.iter().map(|index| x[*index]));
-        let mut own = right * own;
+        let own: Vec<c64> = self.border.iter().map(|index| x[*index]).collect();
+        let mut own = DVector::from_vec(applied(right, &own));
         // A pivot that is 0 would have been found when it was factored.
         self.system.solve_mut(&mut own);
         let moved = applied(&self.columns, &applied(left, own.as_slice()));
@@ -142,22 +145,33 @@ impl Exchange {
 
 /// `A B`.
 fn product([a_re, a_im]: &Parts, [b_re, b_im]: &Parts) -> Parts {
-    [a_re * b_re - a_im * b_im, a_re * b_im + a_im * b_re]
+    let (mut re, mut im) = (a_re * b_re, a_re * b_im);
+    re.gemm(-1.0, a_im, b_im, 1.0);
+    im.gemm(1.0, a_im, b_re, 1.0);
+    [re, im]
 }
 
 /// `A x`. Cost: one pass over A.
-pub(crate) fn applied([a_re, a_im]: &Parts, x: &[c64]) -> Vec<c64> {
-    let size = a_re.nrows();
-    let (mut re, mut im) = (vec![0.0; size], vec![0.0; size]);
+pub(crate) fn applied(parts: &Parts, x: &[c64]) -> Vec<c64> {
+    let size = parts[0].nrows();
+    let mut sums = vec![0.0; 2 * size];
+    let (re, im) = sums.split_at_mut(size);
+    Arch::new().dispatch(|| add_columns(parts, x.iter().copied(), (re, im)));
+    re.iter().zip(&*im).map(|(re, im)| c64::new(*re, *im)).collect()
+}
+
+/// Adds `A x` to real and imaginary parts.
+#[inline(always)]
+fn add_columns([a_re, a_im]: &Parts, x: impl Iterator<Item = c64>, (re, im): (&mut [f64], &mut [f64])) {
+    let size = re.len();
     let columns = a_re.as_slice().chunks_exact(size.max(1)).zip(a_im.as_slice().chunks_exact(size.max(1)));
     for ((column_re, column_im), x) in columns.zip(x) {
-        let sums = re.iter_mut().zip(&mut im);
+        let sums = re.iter_mut().zip(im.iter_mut());
         for ((re, im), (a, b)) in sums.zip(column_re.iter().zip(column_im)) {
             *re += a * x.re - b * x.im;
             *im += a * x.im + b * x.re;
         }
     }
-    re.into_iter().zip(im).map(|(re, im)| c64::new(re, im)).collect()
 }
 
 fn joined([re, im]: &Parts) -> DMatrix<c64> {
@@ -165,10 +179,22 @@ fn joined([re, im]: &Parts) -> DMatrix<c64> {
 }
 
 /// A square matrix as `U` and `Vᴴ`, exact to rounding. Cost: its entries times its rank.
-fn crosses(mut rest: Parts) -> (Parts, DMatrix<c64>) {
+fn crosses(entries: Parts) -> (Parts, Parts) {
+    let size = entries[0].nrows();
+    let (left, right) = Arch::new().dispatch(|| found_crosses(entries));
+    let rank = left[0].len() / size.max(1);
+    (
+        left.map(|part| DMatrix::from_vec(size, rank, part)),
+        right.map(|part| DMatrix::from_row_slice(rank, size, &part)),
+    )
+}
+
+/// Columns of `U` and rows of `Vᴴ`, one after the other.
+#[inline(always)]
+fn found_crosses(mut rest: Parts) -> ([Vec<f64>; 2], [Vec<f64>; 2]) {
     let size = rest[0].nrows();
     let mut largest: Vec<f64> = (0..size).map(|column| largest_sq(&rest, column)).collect();
-    let (mut left, mut right) = ([Vec::new(), Vec::new()], Vec::new());
+    let (mut left, mut right) = ([Vec::new(), Vec::new()], [Vec::new(), Vec::new()]);
     let mut floor_sq = None;
     let mut rank = 0;
     while rank < size {
@@ -184,17 +210,19 @@ fn crosses(mut rest: Parts) -> (Parts, DMatrix<c64>) {
         for (own, part) in left.iter_mut().zip(&rest) {
             own.extend_from_slice(&part.as_slice()[column * size..(column + 1) * size]);
         }
-        let cross: Vec<c64> = (0..size).map(|j| entry(&rest, row, j) * inverse).collect();
         let own = rank * size..(rank + 1) * size;
-        for (j, share) in cross.iter().enumerate().filter(|(_, share)| **share != c64::default()) {
-            largest[j] = take_off(&mut rest, j, (&left[0][own.clone()], &left[1][own.clone()]), *share);
+        for (j, largest) in largest.iter_mut().enumerate() {
+            let share = entry(&rest, row, j) * inverse;
+            if share != c64::default() {
+                take_off(&mut rest, j, (&left[0][own.clone()], &left[1][own.clone()]), share);
+                *largest = largest_sq(&rest, j);
+            }
+            right[0].push(share.re);
+            right[1].push(share.im);
         }
-        right.extend(cross);
         rank += 1;
     }
-    let [re, im] = left;
-    let left = [DMatrix::from_vec(size, rank, re), DMatrix::from_vec(size, rank, im)];
-    (left, DMatrix::from_row_slice(rank, size, &right))
+    (left, right)
 }
 
 fn entry([re, im]: &Parts, row: usize, column: usize) -> c64 {
@@ -202,12 +230,22 @@ fn entry([re, im]: &Parts, row: usize, column: usize) -> c64 {
 }
 
 /// Squared modulus of the largest entry of a column.
+#[inline(always)]
 fn largest_sq([re, im]: &Parts, column: usize) -> f64 {
     let own = column * re.nrows()..(column + 1) * re.nrows();
+    let (re, im) = (re.as_slice()[own.clone()].chunks(AT_ONCE), im.as_slice()[own].chunks(AT_ONCE));
     let larger = |most: f64, own: f64| if own > most { own } else { most };
-    let squares = re.as_slice()[own.clone()].iter().zip(&im.as_slice()[own]);
-    squares.map(|(re, im)| re * re + im * im).fold(0.0, larger)
+    // Some at once: each comparison would wait for the one before.
+    let mut most = [0.0; AT_ONCE];
+    for (re, im) in re.zip(im) {
+        let squares = re.iter().zip(im).map(|(re, im)| re * re + im * im);
+        most.iter_mut().zip(squares).for_each(|(most, own)| *most = larger(*most, own));
+    }
+    most.into_iter().fold(0.0, larger)
 }
+
+/// So many entries of a column are compared at once.
+const AT_ONCE: usize = 8;
 
 /// The largest value and where it first stands.
 fn first_largest(values: impl Iterator<Item = f64>) -> (f64, usize) {
@@ -216,32 +254,16 @@ fn first_largest(values: impl Iterator<Item = f64>) -> (f64, usize) {
     values.enumerate().fold((0.0, 0), larger)
 }
 
-/// Takes `share` times another column off a column: squared modulus of the largest entry left.
-fn take_off([re, im]: &mut Parts, column: usize, (own_re, own_im): (&[f64], &[f64]), share: c64) -> f64 {
-    let size = own_re.len();
-    let own = column * size..(column + 1) * size;
-    let (re, im) = (&mut re.as_mut_slice()[own.clone()], &mut im.as_mut_slice()[own]);
-    let mut take = |from: usize, most: &mut [f64]| {
-        let own = from..from + most.len();
-        let given = own_re[own.clone()].iter().zip(&own_im[own.clone()]);
-        let left = re[own.clone()].iter_mut().zip(&mut im[own]).zip(given);
-        for (((re, im), (a, b)), most) in left.zip(most) {
-            *re -= a * share.re - b * share.im;
-            *im -= a * share.im + b * share.re;
-            let square = *re * *re + *im * *im;
-            *most = if square > *most { square } else { *most };
-        }
-    };
-    // Some at once: each comparison would wait for the one before.
-    let mut most = [0.0; AT_ONCE];
-    let whole = size - size % AT_ONCE;
-    (0..whole).step_by(AT_ONCE).for_each(|from| take(from, &mut most));
-    take(whole, &mut most[..size - whole]);
-    first_largest(most.into_iter()).0
+/// Takes `share` times another column off a column.
+#[inline(always)]
+fn take_off([re, im]: &mut Parts, column: usize, (own_re, own_im): (&[f64], &[f64]), share: c64) {
+    let own = column * own_re.len()..(column + 1) * own_re.len();
+    let left = re.as_mut_slice()[own.clone()].iter_mut().zip(&mut im.as_mut_slice()[own]);
+    for ((re, im), (a, b)) in left.zip(own_re.iter().zip(own_im)) {
+        *re -= a * share.re - b * share.im;
+        *im -= a * share.im + b * share.re;
+    }
 }
-
-/// So many entries of a column are compared at once.
-const AT_ONCE: usize = 4;
 
 impl Compliance {
     /// The problem with other springs for `path` and other terms and weights of the rows on it: `rows` are terms and weights

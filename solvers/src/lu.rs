@@ -11,6 +11,8 @@
 //! callers must probe what they get ([`refine`](crate::refine)).
 
 use faer::dyn_stack::{MemBuffer, MemStack};
+use faer::linalg::lu::partial_pivoting::factor::{lu_in_place, lu_in_place_scratch};
+use faer::linalg::lu::partial_pivoting::inverse::{inverse as write_inverse, inverse_scratch};
 use faer::perm::Perm;
 use faer::sparse::linalg::colamd;
 use faer::sparse::linalg::lu::simplicial::{
@@ -18,7 +20,8 @@ use faer::sparse::linalg::lu::simplicial::{
     solve_in_place_scratch,
 };
 use faer::sparse::{SparseColMatRef, SymbolicSparseColMatRef};
-use faer::{Conj, MatMut, Par};
+use faer::traits::math_utils::zero;
+use faer::{Conj, Mat, MatMut, Par};
 
 /// A number type the factorisation can work on; implemented for `f64` and complex `f64`, sealed by its private module.
 pub trait Element: faer::traits::ComplexField {}
@@ -124,6 +127,27 @@ impl<T: Element> Lu<T> {
             MemStack::new(&mut scratch.0),
         );
     }
+}
+
+/// Inverse of a matrix by dense factors, column by column; garbage if it is singular. Cost: cubic.
+pub(crate) fn dense_inverse<T: Element>(pattern: &ColumnPattern, values: &[T]) -> Vec<T> {
+    let size = pattern.size;
+    let mut factors = Mat::<T>::zeros(size, size);
+    for column in 0..size {
+        for entry in pattern.column_starts[column]..pattern.column_starts[column + 1] {
+            factors[(pattern.row_indices[entry], column)] = values[entry].clone();
+        }
+    }
+    let (mut forward, mut inverse) = (vec![0_usize; size], vec![0; size]);
+    let factor = lu_in_place_scratch::<usize, T>(size, size, Par::Seq, Default::default());
+    let mut memory = MemBuffer::new(factor.or(inverse_scratch::<usize, T>(size, Par::Seq)));
+    let stack = MemStack::new(&mut memory);
+    let (_, rows) =
+        lu_in_place(factors.as_mut(), &mut forward, &mut inverse, Par::Seq, stack, Default::default());
+    let mut all = vec![zero::<T>(); size * size];
+    let out = MatMut::from_column_major_slice_mut(&mut all, size, size);
+    write_inverse(out, factors.as_ref(), factors.as_ref(), rows, Par::Seq, stack);
+    all
 }
 
 fn symbolic(pattern: &ColumnPattern) -> SymbolicSparseColMatRef<'_, usize> {

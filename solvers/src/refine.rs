@@ -1,6 +1,6 @@
 //! Solving with an LU factorisation and not believing it: iterative refinement and a probe for singularity.
 
-use crate::lu::{ColumnPattern, Lu, LuOrder, LuScratch, NoFactor};
+use crate::lu::{ColumnPattern, Lu, LuOrder, LuScratch, NoFactor, dense_inverse};
 use crate::scalar::{Scalar, TwoPart};
 use std::ops::Range;
 
@@ -67,6 +67,11 @@ impl<T: Scalar> RefinedLu<T> {
     /// Replaces `count` right-hand sides, one after the other, likewise.
     pub(crate) fn substitute_columns(&self, b: &mut [T], count: usize) {
         self.lu.solve_columns_in_place(b, count, &mut self.lu.scratch_of_columns(count));
+    }
+
+    /// All columns of the inverse, one after the other, not refined. Cost: cubic.
+    pub(crate) fn inverse(&self, pattern: &ColumnPattern) -> Vec<T> {
+        dense_inverse(pattern, &self.values)
     }
 
     /// Solves `K x = b`. `watched`: the unknowns whose accuracy decides how often to refine. The solution may still be

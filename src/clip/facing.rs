@@ -2,10 +2,11 @@
 
 use std::f64::consts::FRAC_PI_2;
 
-use glam::DQuat;
+use glam::{DQuat, DVec3};
 
 use crate::geometry::{c64, plan_of, wrap};
-use crate::skeleton::{JointFrame, JointRole, Skeleton, facing_vector};
+use crate::index::JointId;
+use crate::skeleton::{JointFrame, JointRole, Pose, Skeleton, facing_vector};
 
 /// Hips closer than this share of their width, seen from above, show no facing: the body lies on its side.
 const LEAST_SHARE_OF_WIDTH: f64 = 0.1;
@@ -18,8 +19,17 @@ pub const REST_HEADING: f64 = -FRAC_PI_2;
 /// `frames`: world frames of all joints. `None` where the skeleton has no hips, or where they are nearer to each other
 /// seen from above than a tenth of the hip width.
 pub fn facing(skeleton: &Skeleton, frames: &[JointFrame]) -> Option<f64> {
-    let left = frames[skeleton.joint_of(JointRole::LeftHip)?.as_usize()].position;
-    let right = frames[skeleton.joint_of(JointRole::RightHip)?.as_usize()].position;
+    facing_of_hips(skeleton, |hip| frames[hip.as_usize()].position)
+}
+
+/// The same of a pose: only what leads to the hips is posed.
+pub fn pose_facing(skeleton: &Skeleton, pose: &Pose) -> Option<f64> {
+    facing_of_hips(skeleton, |hip| skeleton.joint_frame(pose, hip).position)
+}
+
+fn facing_of_hips(skeleton: &Skeleton, position: impl Fn(JointId) -> DVec3) -> Option<f64> {
+    let left = position(skeleton.joint_of(JointRole::LeftHip)?);
+    let right = position(skeleton.joint_of(JointRole::RightHip)?);
     let ahead: c64 = facing_vector(plan_of(left), plan_of(right));
     let width = left.distance(right);
     (width > 0.0 && ahead.norm() >= LEAST_SHARE_OF_WIDTH * width).then(|| ahead.arg())

@@ -51,7 +51,7 @@ pub fn candidates(graph: &MotionGraph, seen: &Seen<'_>, settings: &DiscreteSetti
     let frames = Frames::new(graph, seen);
     let mut found = Vec::new();
     for i in 0..frames.nodes.len() {
-        frames.between(graph, i, settings, &mut found);
+        frames.between(i, settings, &mut found);
         frames.insertions(graph, i, settings, &mut found);
     }
     if settings.allows(ChangeKind::Replace) {
@@ -74,6 +74,8 @@ struct Frames<'a> {
     /// Up to which frame, not included, all are stationary from each frame on, and up to which all may change.
     still_to: Vec<usize>,
     open_to: Vec<usize>,
+    /// Graph frames like that of each track frame, itself first.
+    alike: Vec<Vec<(GraphFrame, f64)>>,
 }
 
 impl<'a> Frames<'a> {
@@ -91,30 +93,19 @@ impl<'a> Frames<'a> {
         }
         let runs = seen.track.runs.iter().enumerate();
         let runs = runs.flat_map(|(index, run)| std::iter::repeat_n(index, run.frame_count())).collect();
-        Self { seen, nodes, runs, shown, still_to: ends(seen.still), open_to: ends(seen.open) }
-    }
-
-    /// Graph frames like that of track frame `i`, itself among them.
-    fn alike(&self, graph: &MotionGraph, i: usize) -> Vec<(GraphFrame, f64)> {
-        let own = self.nodes[i];
-        let mut all = vec![(own, 0.0)];
-        all.extend(graph.similar_to(own).filter(|(other, _)| *other != own));
-        all
+        let others = |own: GraphFrame| graph.similar_to(own).filter(move |(other, _)| *other != own);
+        let alike = |own: &GraphFrame| std::iter::once((*own, 0.0)).chain(others(*own)).collect();
+        let alike = nodes.iter().map(alike).collect();
+        Self { seen, nodes, runs, shown, still_to: ends(seen.still), open_to: ends(seen.open), alike }
     }
 
     /// Deletions and duplications of what follows track frame `i` up to a frame like it.
-    fn between(
-        &self,
-        graph: &MotionGraph,
-        i: usize,
-        settings: &DiscreteSettings,
-        found: &mut Vec<Candidate>,
-    ) {
-        for (node, distance) in self.alike(graph, i) {
-            let later = self.shown.get(&node).into_iter().flatten().copied().filter(|j| *j > i);
+    fn between(&self, i: usize, settings: &DiscreteSettings, found: &mut Vec<Candidate>) {
+        for (node, distance) in &self.alike[i] {
+            let later = self.shown.get(node).into_iter().flatten().copied().filter(|j| *j > i);
             for j in later.filter(|j| self.allowed(i, *j, settings)) {
                 let mut add = |kind, splice: Splice, keep| {
-                    found.push(self.candidate(kind, (splice, keep), distance, (i + 1, j)));
+                    found.push(self.candidate(kind, (splice, keep), *distance, (i + 1, j)));
                 };
                 if settings.allows(ChangeKind::Delete) && j + 1 < self.nodes.len() {
                     add(ChangeKind::Delete, Splice::delete(i, j), Keep::First);
@@ -141,9 +132,8 @@ impl<'a> Frames<'a> {
         if !settings.allows(ChangeKind::Insert) || i + 1 >= self.nodes.len() || !self.seen.open[i] {
             return;
         }
-        let alike = self.alike(graph, i);
-        for (from, before) in &alike {
-            for (to, after) in &alike {
+        for (from, before) in &self.alike[i] {
+            for (to, after) in &self.alike[i] {
                 let Some(stretch) = self.stretch(graph, (*from, *to), settings, |_| true) else { continue };
                 let splice = Splice::insert(i, vec![stretch]);
                 found.push(self.candidate(
@@ -158,7 +148,7 @@ impl<'a> Frames<'a> {
 
     /// Replacements of what lies between two track frames by what lies in some clip between two frames like them.
     fn replacements(&self, graph: &MotionGraph, settings: &DiscreteSettings, found: &mut Vec<Candidate>) {
-        let alike: Vec<_> = (0..self.nodes.len()).map(|i| self.alike(graph, i)).collect();
+        let alike = &self.alike;
         let (mut known, ends) = (false, self.seen.protected.ends_up_to(self.nodes.len()));
         for i in 0..self.nodes.len() {
             let last = (i + settings.longest).min(self.nodes.len().saturating_sub(2));

@@ -102,12 +102,46 @@ impl Protected {
 /// one is torn apart or taken out. What constraints ask 'as before' stays what it was before all discrete edits.
 pub fn spliced(scene: &Scene, character: CharacterId, splice: &Splice, keep: Keep) -> Option<Scene> {
     let mut next = scene.clone();
+    let moved = moved(&mut next, character, (splice, keep))?.1;
+    take(&mut next, character, &moved);
     let track = &mut next.characters[character.as_usize()].track;
     *track = track.spliced(splice);
-    for moment in next.moments_mut().filter(|moment| moment.character == character) {
-        if let Instant::Shown(frame) = moment.instant {
-            moment.instant = Instant::Shown(splice.map_instant(frame, keep)?);
-        }
-    }
     Some(next)
+}
+
+/// What `work` makes of the scene as [`spliced`] would have it, without a copy of all else: afterwards it is as it was.
+/// Cost: that of the track, its moments, and one look at each constraint.
+pub fn while_spliced<T>(
+    scene: &mut Scene,
+    character: CharacterId,
+    (splice, keep): (&Splice, Keep),
+    work: impl FnOnce(&Scene) -> T,
+) -> Option<T> {
+    let (before, moved) = moved(scene, character, (splice, keep))?;
+    let track = scene.characters[character.as_usize()].track.clone();
+    scene.characters[character.as_usize()].track = track.spliced(splice);
+    take(scene, character, &moved);
+    let done = work(scene);
+    take(scene, character, &before);
+    scene.characters[character.as_usize()].track = track;
+    Some(done)
+}
+
+/// Instants of a character's moments, before and after a splice; `None` where one goes nowhere.
+fn moved(
+    scene: &mut Scene,
+    character: CharacterId,
+    (splice, keep): (&Splice, Keep),
+) -> Option<(Vec<Instant>, Vec<Instant>)> {
+    let before: Vec<Instant> = scene.moments_of_mut(character).map(|moment| moment.instant).collect();
+    let moved = |instant: &Instant| match instant {
+        Instant::Shown(frame) => splice.map_instant(*frame, keep).map(Instant::Shown),
+        other => Some(*other),
+    };
+    let after = before.iter().map(moved).collect::<Option<_>>()?;
+    Some((before, after))
+}
+
+fn take(scene: &mut Scene, character: CharacterId, instants: &[Instant]) {
+    scene.moments_of_mut(character).zip(instants).for_each(|(moment, instant)| moment.instant = *instant);
 }

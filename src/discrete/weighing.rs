@@ -4,9 +4,10 @@ use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
 use crate::discrete::candidates::Candidate;
-use crate::discrete::remap::spliced;
+use crate::discrete::remap::{spliced, while_spliced};
 use crate::edit::own_path::OwnPath;
 use crate::edit::{Editor, Exchange, GroupResponse, Timing, Variant, WhatIf};
+use crate::scene::Scene;
 
 /// A candidate with what stays known of it until its track, or what it is tied to, changes.
 pub struct Proposal {
@@ -77,6 +78,8 @@ pub struct Weighing<'a> {
     others: Vec<OnceLock<f64>>,
     responses: &'a [OnceLock<Option<GroupResponse>>],
     timings: Mutex<Timings>,
+    /// Copies of the scene to put other tracks into, as many as were needed at once.
+    scenes: Mutex<Vec<Scene>>,
     /// Whether there is room to keep exchanged groups from update to update.
     keeps: bool,
 }
@@ -104,6 +107,7 @@ impl<'a> Weighing<'a> {
             others: turned.iter().map(|_| OnceLock::new()).collect(),
             responses,
             timings: Mutex::default(),
+            scenes: Mutex::default(),
             keeps: frames.saturating_mul(candidates) <= MOST_FRAMES_KEPT,
             turned,
         }
@@ -207,10 +211,17 @@ impl<'a> Weighing<'a> {
     fn variant<'b>(&self, proposal: &'b Proposal) -> Option<&'b Variant> {
         let Candidate { character, splice, keep, .. } = &proposal.candidate;
         let make = || {
-            let scene = spliced(self.editor.scene(), *character, splice, *keep)?;
-            let draw = || Arc::new(OwnPath::new(scene.characters[character.as_usize()].track.rest_path()));
-            let path = Arc::clone(proposal.path.get_or_init(draw));
-            Some(self.editor.variant(&scene, *character, path))
+            let free = || self.scenes.lock().unwrap_or_else(PoisonError::into_inner);
+            let known = free().pop();
+            let mut scene = known.unwrap_or_else(|| self.editor.scene().clone());
+            let made = while_spliced(&mut scene, *character, (splice, *keep), |scene| {
+                let draw =
+                    || Arc::new(OwnPath::new(scene.characters[character.as_usize()].track.rest_path()));
+                let path = Arc::clone(proposal.path.get_or_init(draw));
+                self.editor.variant(scene, *character, path)
+            });
+            free().push(scene);
+            made
         };
         proposal.variant.get_or_init(make).as_ref()
     }

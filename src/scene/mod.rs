@@ -34,9 +34,9 @@ use std::collections::BTreeMap;
 use serde::Serialize;
 
 use crate::clip::retarget::RetargetReport;
-use crate::constraint::{Captured, Constraint, Discrete, Drag, Moment};
+use crate::constraint::{Captured, Constraint, ConstraintKind, Discrete, Drag, Moment};
 use crate::effector::EndEffector;
-use crate::index::{ConstraintId, ObjectId};
+use crate::index::{CharacterId, ConstraintId, ObjectId};
 use crate::object::{Carry, Course, Object};
 use crate::track::Track;
 
@@ -179,10 +179,24 @@ impl Scene {
 
     /// Every moment that something names, in the same order, to be changed.
     pub fn moments_mut(&mut self) -> impl Iterator<Item = &mut Moment> {
-        let constraints = self.constraints.iter_mut().flat_map(|constraint| constraint.kind.moments_mut());
+        self.moments_where_mut(|_| true)
+    }
+
+    /// Those of one character, in the same order.
+    pub fn moments_of_mut(&mut self, who: CharacterId) -> impl Iterator<Item = &mut Moment> {
+        self.moments_where_mut(move |kind| kind.names(who)).filter(move |moment| moment.character == who)
+    }
+
+    /// Those of the constraints that are `wanted`, and all others.
+    fn moments_where_mut(
+        &mut self,
+        wanted: impl Fn(&ConstraintKind) -> bool,
+    ) -> impl Iterator<Item = &mut Moment> {
+        let constraints = self.constraints.iter_mut().filter(move |constraint| wanted(&constraint.kind));
         let carries = self.carries.iter_mut().flat_map(|Carry { during, .. }| [&mut during.0, &mut during.1]);
         let times = self.discrete.iter_mut().flat_map(|discrete| discrete.times.iter_mut().flatten());
         constraints
+            .flat_map(|constraint| constraint.kind.moments_mut())
             .chain(carries)
             .chain(self.end_effectors.iter_mut().flat_map(EndEffector::moments_mut))
             .chain(times.flat_map(|(from, to)| [from, to]))
