@@ -140,8 +140,8 @@ fn least_high(known: &[Known], worth: f64) -> f64 {
     known.iter().map(|own| own.high).filter(|high| *high < worth).fold(f64::INFINITY, f64::min)
 }
 
-/// Up to here Ê is within a near tie of `energy`.
-fn near(energy: f64, near_tie: f64) -> f64 {
+/// Up to here Ê is within a near tie of `energy`; at 0, up to here differences are rounding.
+pub fn near(energy: f64, near_tie: f64) -> f64 {
     energy + near_tie + NO_GAIN * (1.0 + energy)
 }
 

@@ -7,6 +7,7 @@ use rayon::prelude::*;
 use super::{Group, Key, Step};
 use crate::constraint::Evaluator;
 use crate::discrete::candidates::Candidate;
+use crate::discrete::choose::near;
 use crate::discrete::editor::{DiscreteEditor, Occasion};
 use crate::discrete::remap::spliced;
 use crate::discrete::weighing::{Proposal, Weighing};
@@ -91,10 +92,10 @@ impl Best {
 /// The better one of `before` and a level of longer sequences.
 pub(super) fn better(before: Best, level: &[Node], near_tie: f64) -> Best {
     let least = level.iter().map(|node| node.energy).fold(f64::INFINITY, f64::min);
-    let near = level.iter().filter(|node| node.energy <= least + near_tie);
-    let taken = near.min_by(|a, b| a.copies.cmp(&b.copies).then_with(|| a.key.cmp(&b.key)));
+    let near_best = level.iter().filter(|node| node.energy <= near(least, near_tie));
+    let taken = near_best.min_by(|a, b| a.copies.cmp(&b.copies).then_with(|| a.key.cmp(&b.key)));
     match taken {
-        Some(node) if least < before.energy => Best::of(node, least),
+        Some(node) if near(least, 0.0) < before.energy => Best::of(node, least),
         _ => before,
     }
 }
@@ -105,7 +106,7 @@ pub(super) fn children(level: &[Node], members: &[usize], seen: &BTreeSet<Key>) 
     let mut found: Vec<Child> = Vec::new();
     let mut known = seen.clone();
     for batch in offers(level, &scales).chunks(BATCH) {
-        let most = found.get(BEAM - 1).map_or(f64::INFINITY, |last| last.energy);
+        let most = found.get(BEAM - 1).map_or(f64::INFINITY, |last| near(last.energy, 0.0));
         let hopeful: Vec<&Offer<'_>> = batch.iter().filter(|offer| offer.bound <= most).collect();
         if hopeful.is_empty() {
             break;
@@ -114,10 +115,22 @@ pub(super) fn children(level: &[Node], members: &[usize], seen: &BTreeSet<Key>) 
         let weighed: Vec<Option<Child>> = hopeful.par_iter().map(weigh).collect();
         let new = |own: &Child| known.insert(own.key.clone());
         found.extend(weighed.into_iter().flatten().filter(new));
-        found.sort_by(|a, b| a.energy.total_cmp(&b.energy).then_with(|| a.key.cmp(&b.key)));
+        rank(&mut found, |child| child.energy, |child| &child.key);
         found.truncate(BEAM);
     }
     found
+}
+
+/// Sorts by Ê, and what differs by rounding only by key.
+fn rank<T, K: Ord>(all: &mut [T], energy: impl Fn(&T) -> f64, key: impl Fn(&T) -> &K) {
+    all.sort_by(|a, b| energy(a).total_cmp(&energy(b)));
+    let mut rest = all;
+    while let Some(first) = rest.first() {
+        let most = near(energy(first), 0.0);
+        let (equals, others) = rest.split_at_mut(rest.partition_point(|own| energy(own) <= most).max(1));
+        equals.sort_by(|a, b| key(a).cmp(key(b)));
+        rest = others;
+    }
 }
 
 /// What could be worth it, in rising order of what it costs at least; where all are weighed, in no order.
@@ -185,4 +198,27 @@ pub(super) fn grow(
 /// Whether `members` show the same runs; of the same key, these may come from other places of a track's list.
 pub(super) fn alike(a: &Scene, b: &Scene, members: &[usize]) -> bool {
     members.iter().all(|member| a.characters[*member].track.runs == b.characters[*member].track.runs)
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+
+    proptest! {
+        /// Ê in hundredths, with what rounding makes of it: the order is that of exact numbers.
+        #[test]
+        fn rounding_ranks_nothing(given in prop::collection::vec((0..6_u8, -1e-9..1e-9_f64), 1..30)) {
+            let exact: Vec<(f64, usize)> =
+                given.iter().enumerate().map(|(key, (energy, _))| (f64::from(*energy) / 100.0, key)).collect();
+            let mut ranked = exact.clone();
+            ranked.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+            let mut rounded: Vec<(f64, usize)> =
+                exact.iter().zip(&given).map(|((energy, key), (_, off))| (energy + off, *key)).collect();
+            rank(&mut rounded, |own| own.0, |own| &own.1);
+            let keys = |all: &[(f64, usize)]| all.iter().map(|own| own.1).collect::<Vec<_>>();
+            prop_assert_eq!(keys(&rounded), keys(&ranked));
+        }
+    }
 }
