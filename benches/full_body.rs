@@ -5,7 +5,7 @@ mod many_joints;
 use std::sync::Arc;
 
 use cotillion::clip::working::{WORKING_STEP, WorkingClip};
-use cotillion::full_body::{BodyInput, Effector, PlantMode, Seams, Target, refine};
+use cotillion::full_body::{BodyInput, Effector, Jerks, PlantMode, Seams, Target, refine};
 use cotillion::geometry::{cis, plan_of, world_of, yaw};
 use cotillion::index::SourceFrame;
 use cotillion::skeleton::{JointRole, Pose, Skeleton};
@@ -28,6 +28,7 @@ fn walk(frames: u32) -> (Skeleton, BodyInput) {
         rest,
         effectors: Vec::new(),
         seams: Seams::default(),
+        source: Jerks::default(),
     };
     (skeleton, input)
 }

@@ -330,6 +330,24 @@ impl ConstraintKind {
         }
     }
 
+    /// Whether one of these moments is of a character.
+    pub fn names(&self, who: CharacterId) -> bool {
+        let own = |moment: &Moment| moment.character == who;
+        let names = |when: &When| match when {
+            When::At(moment) => own(moment),
+            When::During(from, to) => own(from) || own(to),
+        };
+        match self {
+            Self::Pin { when, .. } => names(when),
+            Self::Relative { when, partner, .. } => {
+                names(when) || matches!(partner, Partner::Character(other) if names(other))
+            }
+            Self::Time { at, .. } => own(at),
+            Self::Duration { from, to, .. } => own(from) || own(to),
+            Self::Sync { moments, .. } => moments.iter().any(names),
+        }
+    }
+
     /// Every moment the constraint names, to be changed.
     pub fn moments_mut(&mut self) -> Vec<&mut Moment> {
         match self {

@@ -7,6 +7,7 @@
 
 mod again;
 mod hips;
+mod source;
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
@@ -17,8 +18,9 @@ use crate::clip::Clip;
 use crate::clip::contacts::annotated::AnnotatedContact;
 use crate::clip::contacts::{ContactPoint, Contacts, runs};
 use crate::edit::{Edit, Moved};
+use crate::embody::source::{seams, source_jerks};
 use crate::fingers::hold_fingers;
-use crate::full_body::{BodyInput, BodyReport, Cut, Effector, PlantMode, Seams, Target, refine};
+use crate::full_body::{BodyInput, BodyReport, Effector, PlantMode, Target, refine};
 use crate::geometry::slerp;
 use crate::index::{CharacterId, SourceFrame};
 use crate::object_motion::{Performance, object_motions, skeleton_of};
@@ -29,7 +31,6 @@ use crate::resample::{Resampled, shown_contacts_at};
 use crate::scene::{Plants, Scene};
 use crate::skeleton::Pose;
 use crate::ties::Ties;
-use crate::track::{Run, Track};
 
 pub use again::{embody_again, unembodied};
 
@@ -233,6 +234,7 @@ fn body(stage: &Stage<'_, Moved<'_>>, so_far: &SoFar<'_>, (who, clock): (Charact
         contacts: shown_contacts_at(track, &frames),
         effectors,
         seams: seams(track, &frames),
+        source: source_jerks(scene, who),
         times,
     };
     hold_fingers(stage, who, (&input.times, &mut input.moved));
@@ -265,22 +267,6 @@ fn effectors(
     let others = Others { performance: so_far, corrected: &|who| so_far.body(who).is_some() };
     targets.extend(effector_targets(stage, &others, who, times));
     targets.iter().map(effector).collect()
-}
-
-/// Seams of a track, seen at fractional frames of it, which rise.
-fn seams(track: &Track, frames: &[f64]) -> Seams {
-    if track.runs.len() == 1 {
-        return Seams::default();
-    }
-    let cut = |(index, (_, start)): (usize, (&Run, usize))| Cut {
-        // What lies between two runs belongs to the later one.
-        sample: frames.partition_point(|frame| *frame <= start as f64 - 1.0),
-        matched: track.matched(index),
-    };
-    Seams {
-        unblended: frames.iter().map(|frame| track.unblended(*frame)).collect(),
-        cuts: track.placed_runs().enumerate().skip(1).map(cut).collect(),
-    }
 }
 
 /// Scene times at which a character is looked at: output frames, and constrained moments between them; rising. `clock`: scene

@@ -64,5 +64,6 @@ index! {
     reason = "the cast saturates, which is what is documented"
 )]
 pub fn floor_index(value: f64) -> usize {
-    value.floor().max(0.0) as usize
+    // Above 0 the cast rounds down by itself.
+    value.max(0.0) as usize
 }

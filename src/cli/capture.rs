@@ -30,7 +30,7 @@ pub(crate) struct ReadArgs {
     /// Joint of a role, over what its name tells, as in left_hand=LeftWrist; may be repeated.
     #[arg(long, value_name = "ROLE=JOINT")]
     role: Vec<String>,
-    /// First and last frame to use, as in 12..116; left out, all but a rest pose at frame 0.
+    /// First and last frame to use, as in 12..116; left out, all but a rest pose at frame 0 and what is frozen at the ends.
     #[arg(long, value_name = "FIRST..LAST")]
     frames: Option<String>,
     /// Refuse what would only be warned of.

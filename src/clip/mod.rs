@@ -51,7 +51,7 @@ pub struct Clip {
     pub events: BTreeMap<String, SourceFrame>,
     /// Contacts that are stated, of hands and of feet; those of other feet are found.
     pub contacts: Vec<AnnotatedContact>,
-    /// First and last frame worth using: all of them, but for a rest pose at frame 0.
+    /// First and last frame worth using: all of them, but for a rest pose at frame 0 and what is no motion at the ends.
     pub usable: (SourceFrame, SourceFrame),
 }
 

@@ -87,6 +87,13 @@ pub enum ReadNote {
         /// First and last frame to use.
         usable: (SourceFrame, SourceFrame),
     },
+    /// A moving body is frozen at an end of the file, in frames that are not used.
+    FrozenLeftOut {
+        /// The frames that repeat their neighbour, first and last.
+        frozen: (SourceFrame, SourceFrame),
+        /// What is left to use.
+        usable: (SourceFrame, SourceFrame),
+    },
     /// The body jumps farther than it can between two frames.
     Jumps {
         /// First frames after the jumps.
@@ -137,7 +144,13 @@ pub enum ReadNote {
 impl ReadNote {
     /// Whether naming the frames to use leaves nothing to say.
     pub const fn is_settled_by_frames(&self) -> bool {
-        matches!(self, Self::RestPoseLeftOut { .. } | Self::FirstFrameJumps | Self::JumpLeftOut { .. })
+        matches!(
+            self,
+            Self::RestPoseLeftOut { .. }
+                | Self::FirstFrameJumps
+                | Self::JumpLeftOut { .. }
+                | Self::FrozenLeftOut { .. }
+        )
     }
 
     /// Whether it tells of single frames, all of them outside `first..=last`, or of jumps that no two frames of these have between
@@ -229,6 +242,11 @@ impl ReadNote {
                 frame.0,
                 first.0,
                 last.0
+            ),
+            Self::FrozenLeftOut { frozen: (from, to), usable: (first, last) } => write!(
+                f,
+                "the moving body is frozen in frames {} to {}, which are all the same; the clip is used from frame {} to {}",
+                from.0, to.0, first.0, last.0
             ),
             Self::Jumps { frames } => write!(
                 f,

@@ -3,7 +3,7 @@
 //! Source: Kim et al. 2009, §5.2–5.3, with the four rules of pruning made precise; what captures taught beyond it (runs
 //! too short to blend, idle loops too short to hide, many candidates that give one sequence) is ours.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, HashMap};
 
 use crate::constraint::ChangeKind;
 use crate::discrete::remap::Protected;
@@ -269,60 +269,60 @@ fn too_short(counts: impl ExactSizeIterator<Item = usize>, shortest: usize) -> u
 /// leaves more runs too short to blend than there were before.
 fn one_per_sequence(seen: &Seen<'_>, found: Vec<Candidate>, shortest: usize) -> Vec<Candidate> {
     let before = too_short(seen.track.runs.iter().map(Run::frame_count), shortest);
-    let mut kept: BTreeMap<Vec<u64>, Candidate> = BTreeMap::new();
+    let mut kept: HashMap<Vec<u64>, Candidate> = HashMap::new();
+    let (mut shown, mut key) = (Vec::new(), Vec::new());
     for candidate in found {
-        let shown = seen.track.shown_after(&candidate.splice);
+        seen.track.show_after(&candidate.splice, &mut shown);
         if too_short(shown.iter().map(Stretch::frame_count), shortest) > before {
             continue;
         }
-        let key = outcome_of(seen, &candidate, &shown);
-        match kept.get(&key) {
+        tell_outcome(seen, (&candidate, &shown), &mut key);
+        match kept.get_mut(&key) {
             Some(known) if (known.distance, known.kind) <= (candidate.distance, candidate.kind) => {}
-            _ => {
-                kept.insert(key, candidate);
-            }
+            Some(known) => *known = candidate,
+            None => drop(kept.insert(key.clone(), candidate)),
         }
     }
-    kept.into_values().collect()
+    let mut kept: Vec<(Vec<u64>, Candidate)> = kept.into_iter().collect();
+    kept.sort_unstable_by(|a, b| a.0.cmp(&b.0));
+    kept.into_iter().map(|(_, candidate)| candidate).collect()
 }
 
 /// What a candidate leads to: the sequence of frames, and where moments are.
 pub fn outcome(seen: &Seen<'_>, candidate: &Candidate) -> Vec<u64> {
-    outcome_of(seen, candidate, &seen.track.shown_after(&candidate.splice))
+    let (mut key, shown) = (Vec::new(), seen.track.shown_after(&candidate.splice));
+    tell_outcome(seen, (candidate, &shown), &mut key);
+    key
 }
 
-fn outcome_of(seen: &Seen<'_>, candidate: &Candidate, shown: &[Stretch]) -> Vec<u64> {
-    let mut key = sequence(seen, shown);
-    let (stay, follow) = moments_after(seen, candidate);
-    key.extend([stay as u64, follow as u64]);
-    key
+/// The same in place of what `key` holds.
+fn tell_outcome(seen: &Seen<'_>, (candidate, shown): (&Candidate, &[Stretch]), key: &mut Vec<u64>) {
+    tell_sequence(seen, shown, key);
+    key.extend(moments_after(seen, candidate).map(|place| place as u64));
 }
 
 /// How many moments stay, and from which one on all move by as many frames as come or go: with the sequence, this says where
 /// each is. Where as many come as go, those taken out part the others.
-fn moments_after(seen: &Seen<'_>, candidate: &Candidate) -> (usize, usize) {
+fn moments_after(seen: &Seen<'_>, Candidate { splice, keep, .. }: &Candidate) -> [usize; 2] {
     let (moments, count) = (&seen.protected.moments, seen.track.frame_count());
-    let place = |frame: &f64| candidate.splice.map_instant(*frame, candidate.keep);
-    if candidate.splice.new_count(count) == count {
-        let gone = |frame: &f64| place(frame).is_none();
-        let first = moments.iter().position(gone).unwrap_or(moments.len());
-        return (first, moments.iter().rposition(gone).map_or(moments.len(), |last| last + 1));
-    }
-    let stay = moments.partition_point(|frame| place(frame) == Some(*frame));
-    (stay, stay + moments[stay..].partition_point(|frame| place(frame).is_none()))
+    let (last_before, first_after) = splice.torn(*keep);
+    let stay = moments.partition_point(|frame| *frame <= last_before as f64);
+    let follow = stay + moments[stay..].partition_point(|frame| *frame < first_after as f64);
+    let nobody_moves = stay == follow && splice.new_count(count) == count;
+    if nobody_moves { [moments.len(); 2] } else { [stay, follow] }
 }
 
-/// Clip, first and last frame of each stretch of frames that follow each other.
-fn sequence(seen: &Seen<'_>, shown: &[Stretch]) -> Vec<u64> {
-    let mut stretches: Vec<[u64; 3]> = Vec::with_capacity(shown.len());
+/// Clip, first and last frame of each stretch of frames that follow each other, in place of what `key` holds.
+fn tell_sequence(seen: &Seen<'_>, shown: &[Stretch], key: &mut Vec<u64>) {
+    key.clear();
     for run in shown {
-        let own = [seen.clips[run.entry] as u64, u64::from(run.first.0), u64::from(run.last.0)];
-        match stretches.last_mut() {
-            Some(before) if before[0] == own[0] && before[2] + 1 == own[1] => before[2] = own[2],
-            _ => stretches.push(own),
+        let [clip, first, last] =
+            [seen.clips[run.entry] as u64, u64::from(run.first.0), u64::from(run.last.0)];
+        match key.last_chunk_mut() {
+            Some([before, _, end]) if *before == clip && *end + 1 == first => *end = last,
+            _ => key.extend([clip, first, last]),
         }
     }
-    stretches.concat()
 }
 
 /// Drops whatever encloses a candidate of its own type: the smaller change comes first. Of one interval the nearest stays.

@@ -11,7 +11,7 @@ use std::sync::{Arc, OnceLock};
 use rayon::prelude::*;
 
 use crate::clip::working::WorkingClip;
-use crate::constraint::{ChangeKind, ConstraintKind, Evaluator};
+use crate::constraint::{ChangeKind, Evaluator};
 use crate::discrete::candidates::{Candidate, Seen, candidates};
 use crate::discrete::choose::worth;
 use crate::discrete::outcome::Outcome;
@@ -365,8 +365,8 @@ impl DiscreteEditor {
     fn forget(&mut self, character: CharacterId) {
         self.forget_systems();
         self.proposals[character.as_usize()] = None;
-        let names = |kind: &ConstraintKind| kind.moments().iter().any(|moment| moment.character == character);
-        let tied = self.editor.scene().constraints.iter().filter(|constraint| names(&constraint.kind));
+        let constraints = self.editor.scene().constraints.iter();
+        let tied = constraints.filter(|constraint| constraint.kind.names(character));
         let partners = tied.flat_map(|constraint| constraint.kind.moments()).map(|moment| moment.character);
         for partner in partners {
             for proposal in self.proposals[partner.as_usize()].iter_mut().flatten() {

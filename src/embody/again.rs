@@ -5,6 +5,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use rayon::prelude::*;
 
 use super::hips::{hips, within_legs};
+use super::source::source_jerks;
 use super::{Body, Embodied, SoFar, effectors, in_turn, known_by, plant_mode, rounds, sample_times, show};
 use crate::clip::Clip;
 use crate::edit::Moved;
@@ -81,6 +82,7 @@ fn corrected(
             .collect(),
         // Joined motion is one by now.
         seams: Seams::default(),
+        source: source_jerks(scene, who),
         times: start.times.clone(),
     };
     let skeleton = skeleton_of(scene, who);

@@ -50,6 +50,7 @@ use crate::full_body::displacement::Sample;
 pub use crate::full_body::effector::{Effector, Part, Target};
 use crate::full_body::feet::{FADE, Leg};
 use crate::full_body::hierarchical::{CLOSE, KNOTS, blended, bring, bring_beside, level, sample};
+pub use crate::full_body::plan::Jerks;
 use crate::full_body::plan::{Still, limbs, overstrained, popped};
 use crate::full_body::reach::{Demand, Demands, drops, within_reach};
 pub use crate::full_body::report::{BodyReport, JointChange, PlantedPoint, Shortfall, WholeContact};
@@ -72,6 +73,8 @@ pub struct BodyInput {
     pub effectors: Vec<Effector>,
     /// Where the motion before the edit is not as captured but joined.
     pub seams: Seams,
+    /// How hard the limbs of the clips are jerked that `rest` shows parts of; nothing where it shows all of them.
+    pub source: Jerks,
 }
 
 /// How feet stand.
@@ -131,7 +134,7 @@ pub fn refine(skeleton: &Skeleton, input: &BodyInput, mode: PlantMode) -> Refine
 }
 
 /// Where what the feet do in poses is too much, for each leg.
-type Refused = fn(&Skeleton, &[f64], &[Leg], &[Pose]) -> Vec<Vec<bool>>;
+type Refused = fn(&Skeleton, &BodyInput, &[Leg], &[Pose]) -> Vec<Vec<bool>>;
 
 /// With `feet` held still, but about where that is refused.
 fn held(
@@ -143,7 +146,7 @@ fn held(
         |feet: &[Still]| posed(skeleton, input, feet.iter().map(|foot| foot.leg(&input.times)).collect());
     let (mut legs, mut poses) = posed(&feet);
     for _ in 0..RELEASES {
-        let refused = refused(skeleton, &input.times, &legs, &poses);
+        let refused = refused(skeleton, input, &legs, &poses);
         let mut any = false;
         for (foot, refused) in feet.iter_mut().zip(refused) {
             any |= foot.release(skeleton, input, &refused);

@@ -245,7 +245,8 @@ fn hardest(times: &[f64], rest: &[Place]) -> f64 {
 }
 
 /// Where the knee of each leg is jerked much harder than captured in `poses`.
-pub fn popped(skeleton: &Skeleton, times: &[f64], legs: &[Leg], poses: &[Pose]) -> Vec<Vec<bool>> {
+pub fn popped(skeleton: &Skeleton, input: &BodyInput, legs: &[Leg], poses: &[Pose]) -> Vec<Vec<bool>> {
+    let times = &input.times;
     let of_leg = |leg: &Leg| {
         let places = poses.iter().map(|pose| leg.chain.place(skeleton, pose));
         jerked(times, places, POPS * hardest(times, &leg.track.rest))
@@ -253,14 +254,41 @@ pub fn popped(skeleton: &Skeleton, times: &[f64], legs: &[Leg], poses: &[Pose]) 
     legs.iter().map(of_leg).collect()
 }
 
-/// Where a foot held all along jerks its knee half as hard again as the capture does any, or does not reach where it is held; hands
-/// and elbows alike.
-pub fn overstrained(skeleton: &Skeleton, times: &[f64], legs: &[Leg], poses: &[Pose]) -> Vec<Vec<bool>> {
+/// How hard the limbs of a motion are jerked: largest angular accelerations, radians/s².
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Jerks {
+    /// Of either knee.
+    pub knees: f64,
+    /// Of either elbow.
+    pub elbows: f64,
+}
+
+impl Jerks {
+    /// Those of `poses`, one for each of `times`, seconds, which rise. Cost: linear.
+    pub fn of(skeleton: &Skeleton, times: &[f64], poses: &[Pose]) -> Self {
+        let of_limbs = |limbs: [Option<Chain>; 2]| {
+            let limbs = limbs.into_iter().flatten();
+            limbs.map(|limb| hardest(times, &places(skeleton, &limb, poses))).fold(0.0, f64::max)
+        };
+        Self { knees: of_limbs(legs(skeleton)), elbows: of_limbs(bearing_arms(skeleton)) }
+    }
+
+    /// The harder ones of both.
+    pub const fn max(self, other: Self) -> Self {
+        Self { knees: self.knees.max(other.knees), elbows: self.elbows.max(other.elbows) }
+    }
+}
+
+/// Where a foot held all along jerks its knee half as hard again as the motion it comes from does any, or does not reach where it is
+/// held; hands and elbows alike.
+pub fn overstrained(skeleton: &Skeleton, input: &BodyInput, legs: &[Leg], poses: &[Pose]) -> Vec<Vec<bool>> {
+    let times = &input.times;
     let hardest_of = |arms: bool| {
         let alike = legs.iter().filter(|leg| leg.is_arm() == arms);
         alike.map(|leg| hardest(times, &leg.track.rest)).fold(0.0, f64::max)
     };
-    let (knees, elbows) = (hardest_of(false), hardest_of(true));
+    let shown = Jerks { knees: hardest_of(false), elbows: hardest_of(true) };
+    let Jerks { knees, elbows } = shown.max(input.source);
     let of_leg = |leg: &Leg| {
         let most = if leg.is_arm() { elbows } else { knees };
         let places: Vec<Place> = poses.iter().map(|pose| leg.chain.place(skeleton, pose)).collect();

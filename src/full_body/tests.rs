@@ -10,6 +10,7 @@ use crate::clip::Clip;
 use crate::clip::builtin::generate;
 use crate::clip::working::{WORKING_STEP, WorkingClip};
 use crate::full_body::chain::{arms, world_frame};
+use crate::full_body::plan::Jerks;
 use crate::full_body::plants::FEET;
 use crate::full_body::report::TOLERATED;
 use crate::geometry::{log, yaw};
@@ -36,6 +37,7 @@ pub(super) fn input_of(name: &str, clip: Clip) -> (Skeleton, BodyInput) {
         contacts: working.contacts.clone(),
         effectors: Vec::new(),
         seams: Seams::default(),
+        source: Jerks::default(),
     };
     ((*working.clip.skeleton).clone(), input)
 }

@@ -87,14 +87,25 @@ impl Splice {
     /// Where track frame `frame` goes; `None` where it is taken out.
     pub fn map(&self, frame: usize, keep: Keep) -> Option<usize> {
         let moved = || frame + self.after + 1 + self.inserted_count() - self.resume;
-        let last_before = match keep {
-            Keep::First => self.after,
-            Keep::Second => self.after.min(self.resume - 1),
-        };
         match frame {
-            _ if frame <= last_before => Some(frame),
+            _ if frame <= self.last_before(keep) => Some(frame),
             _ if frame >= self.resume => Some(moved()),
             _ => None,
+        }
+    }
+
+    /// Track frames between which, both excluded, [`Splice::map_instant`] says `None`, for a splice that changes something: all
+    /// instants up to the first and from the second on go somewhere.
+    pub fn torn(&self, keep: Keep) -> (usize, usize) {
+        let last_before = self.last_before(keep);
+        (last_before, self.resume.max(last_before + 1))
+    }
+
+    /// The last frame that stays where it is.
+    fn last_before(&self, keep: Keep) -> usize {
+        match keep {
+            Keep::First => self.after,
+            Keep::Second => self.after.min(self.resume - 1),
         }
     }
 
@@ -125,20 +136,29 @@ impl Track {
     /// # Panics
     /// If the splice names frames that the track does not have.
     pub fn shown_after(&self, splice: &Splice) -> Vec<Stretch> {
+        let mut shown = Vec::with_capacity(self.runs.len() + splice.inserted.len() + 1);
+        self.show_after(splice, &mut shown);
+        shown
+    }
+
+    /// The same in place of what `shown` holds.
+    ///
+    /// # Panics
+    /// As [`Track::shown_after`].
+    pub fn show_after(&self, splice: &Splice, shown: &mut Vec<Stretch>) {
         let last = self.frame_count() - 1;
         assert!(splice.after <= last && splice.resume <= last + 1, "a splice is made for its track");
         let after = self.shown_from((splice.resume <= last).then_some(splice.resume), last);
         let all = self.shown_from(Some(0), splice.after).chain(splice.inserted.iter().copied()).chain(after);
-        let mut joined: Vec<Stretch> = Vec::with_capacity(self.runs.len() + splice.inserted.len() + 1);
+        shown.clear();
         for stretch in all {
-            match joined.last_mut() {
+            match shown.last_mut() {
                 Some(own) if own.entry == stretch.entry && own.last.0 + 1 == stretch.first.0 => {
                     own.last = stretch.last;
                 }
-                _ => joined.push(stretch),
+                _ => shown.push(stretch),
             }
         }
-        joined
     }
 
     /// What the track shows from track frame `first` to `last`, included.
@@ -238,5 +258,23 @@ mod tests {
         assert_eq!(splice.map_instant(3.5, Keep::First), Some(3.5));
         assert_eq!(splice.map_instant(3.5, Keep::Second), None);
         assert_eq!(splice.map_instant(5.0, Keep::Second), Some(8.0));
+    }
+
+    #[test]
+    fn instants_are_gone_where_a_splice_tears_and_nowhere_else() {
+        let splices = [
+            Splice::delete(3, 6),
+            Splice::duplicate(3, 6),
+            Splice::insert(3, stretch(7, 8)),
+            Splice::replace(2, 5, stretch(7, 8)),
+            Splice::replace(2, 5, stretch(6, 8)),
+        ];
+        for (splice, keep) in splices.iter().flat_map(|own| [(own, Keep::First), (own, Keep::Second)]) {
+            let (last_before, first_after) = splice.torn(keep);
+            for frame in (0..=36).map(|quarter| f64::from(quarter) / 4.0) {
+                let gone = frame > last_before as f64 && frame < first_after as f64;
+                assert_eq!(splice.map_instant(frame, keep).is_none(), gone, "{splice:?} {keep:?} {frame}");
+            }
+        }
     }
 }

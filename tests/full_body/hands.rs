@@ -4,7 +4,7 @@ use std::path::Path;
 
 use cotillion::clip::contacts::{ContactPoint, contact_point};
 use cotillion::full_body::chain::arms;
-use cotillion::full_body::{BodyInput, Effector, PlantMode, PlantedPoint, Seams, Target, refine};
+use cotillion::full_body::{BodyInput, Effector, Jerks, PlantMode, PlantedPoint, Seams, Target, refine};
 use cotillion::skeleton::{Pose, Skeleton};
 use glam::DVec3;
 use libtest_mimic::Failed;
@@ -70,6 +70,7 @@ pub(crate) fn reaches(folder: &Path, file: &str) -> Result<(), Failed> {
                 contacts: stretch.contacts.to_vec(),
                 effectors: reaching(skeleton, &refined(&stretch, &moved, PlantMode::AsCaptured).poses),
                 seams: Seams::default(),
+                source: Jerks::default(),
                 moved,
             };
             let result = refine(skeleton, &input, PlantMode::AsCaptured);

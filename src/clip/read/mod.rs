@@ -3,6 +3,7 @@
 //! What a file leaves open (unit, axis that points up, whether frame 0 belongs to the motion) is guessed, and every guess is
 //! a [`ReadNote`]. A file with z up is turned by −90° about x, joint axes as well: `(x, y, z)` becomes `(x, z, −y)`.
 
+mod frozen;
 mod guess;
 mod quality;
 #[cfg(test)]
@@ -160,6 +161,7 @@ pub fn read(capture: Capture<'_>, name: &str, options: &ReadOptions) -> Result<R
     }
     world::to_world(&mut clip, unit_to_m, up);
     leave_out_rest_pose(&mut clip, &mut notes);
+    frozen::leave_out(&mut clip, &mut notes);
     quality::examine(&mut clip, options.repair, &mut notes);
     if let Some(metres) = guess::odd_size(&clip.skeleton) {
         notes.push(ReadNote::OddSize { metres });

@@ -116,7 +116,7 @@ impl Editor {
         let who = character.as_usize();
         let mut rests: Vec<&RestPath> = self.edit.characters.iter().map(|own| &own.rest).collect();
         rests[who] = &own.rest;
-        let names = |kind: &ConstraintKind| kind.moments().iter().any(|moment| moment.character == character);
+        let names = |kind: &ConstraintKind| kind.names(character);
         let Expansion { held, times, following } = expand_some(scene, &rests, names);
         let held = held.into_iter().map(|row| Prepared::new(row, &rests, self.settings.baseline)).collect();
         let named = scene.constraints.iter().enumerate().filter(|(_, constraint)| names(&constraint.kind));
