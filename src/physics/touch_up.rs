@@ -50,8 +50,8 @@ pub enum TouchUpError {
 }
 
 /// `clip` touched up. See [`ground_pass`] and [`fly`] for what the arguments are. The judge never sees zero moment points farther from
-/// their polygons than in `clip`: flights stay as the ground pass leaves them, one by one, where they would be, those that make no sound claim first.
-/// Cost: linear in frames times steps; a flight that is left costs a flight pass more.
+/// their polygons than in `clip` (where it is asked: [`GroundSettings::judged`]): flights stay as the ground pass leaves them, one by one,
+/// where they would be, those that make no sound claim first. Cost: linear in frames times steps; a flight that is left costs a flight pass more.
 ///
 /// # Errors
 /// [`TouchUpError`] for what does not fit together.
@@ -71,7 +71,7 @@ pub fn touch_up(
     let mut flown = fly(&grounded, body, stages, &in_flight)?;
     let mut suspects = suspects(&flown.report.flights).into_iter();
     let start = if suspects.len() > 0 { judge(clip) } else { 0.0 };
-    while suspects.len() > 0 && judge(&flown.clip) > start {
+    while settings.ground.judged && suspects.len() > 0 && judge(&flown.clip) > start {
         let runs = stages.flight_runs();
         in_flight.left.extend(suspects.next().and_then(|first| runs.iter().position(|run| run.0 == first)));
         flown = fly(&grounded, body, stages, &in_flight)?;

@@ -10,12 +10,8 @@ use cotillion::physics::posed::{PosedClip, centers_of_mass, link_places};
 
 use crate::figure::{Figure, RADIUS, STATURE, frame_at, on_a_circle};
 
-/// What is told of the reference is its gait and its masses, not the shape of its feet and arms.
+/// What is told of the reference is its gait and its masses, not the shape of its feet nor where its spine bends.
 const QUALITATIVE: f64 = 0.15;
-/// Of what arms leave. One step of them comes nearer than the reference (0.144 of 0.175; 0.160 if hands had no mass, a quarter of the lever
-/// of arms). Two of them after ten others take off as large a share as the reference's, whose ten others came nearer. Turns of 1.1 radians
-/// at most would give the one (0.175), but not the other (0.046 of 0.031), so that no limit explains both.
-const QUALITATIVE_OF_ARMS: f64 = 0.2;
 
 fn touched_up(figure: &Figure, schedule: Vec<Step>) -> (Clip, GroundReport) {
     let target = Target::Hull { margin: 0.0 };
@@ -52,18 +48,22 @@ fn the_walk_comes_nearer_at_every_step() {
 }
 
 #[test]
+fn the_walk_starts_as_far_off_as_the_reference() {
+    let (_, report) = touched_up(&on_a_circle(), level());
+    let start = report.before.distance[0].expect("it stands");
+    // Shares are stated to a hundredth.
+    assert!((start.outside - 0.91).abs() < 0.01, "{start:?}");
+}
+
+#[test]
 fn the_walk_comes_as_near_as_the_reference() {
     let three = curve(with_free_arms(level()));
-    for (found, stated) in three.iter().zip([0.557, 0.488, 0.309]) {
-        assert!(is_near(*found, stated, QUALITATIVE), "{found} {stated}");
-    }
-    assert!(is_near(three[3], 0.175, QUALITATIVE_OF_ARMS), "{three:?}");
     let twelve = curve(with_free_arms(five_five_two()));
-    for (found, stated) in [(twelve[5], 0.383), (twelve[10], 0.099)] {
+    let of_three = three.into_iter().zip([0.557, 0.488, 0.309, 0.175]);
+    let of_twelve = [twelve[5], twelve[10], twelve[12]].into_iter().zip([0.383, 0.099, 0.031]);
+    for (found, stated) in of_three.chain(of_twelve) {
         assert!(is_near(found, stated, QUALITATIVE), "{found} {stated}");
     }
-    assert!(is_near(twelve[12], 0.031, QUALITATIVE_OF_ARMS), "{twelve:?}");
-    assert!(is_near(twelve[12] / twelve[10], 0.031 / 0.099, QUALITATIVE), "{twelve:?}");
 }
 
 #[test]

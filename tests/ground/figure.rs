@@ -7,7 +7,7 @@ use cotillion::clip::Clip;
 use cotillion::clip::contacts::BodyPoint;
 use cotillion::index::{JointId, floor_index};
 use cotillion::limb::{Limb, minimal_rotation};
-use cotillion::physics::body_model::{BodyModel, BodySettings, body_model};
+use cotillion::physics::body_model::{BodyModel, BodySettings, Link, Segment, body_model};
 use cotillion::physics::sole::{Side, SolePart};
 use cotillion::physics::stages::{Bearer, Phase, Stages, Support};
 use cotillion::skeleton::{Axis, Joint, JointRole, Pose, Skeleton};
@@ -22,6 +22,12 @@ const OVERLAP: f64 = 0.05;
 const HIP_HEIGHT: f64 = 0.86;
 const ASIDE: f64 = 0.09;
 const ANKLE: f64 = 0.039 * STATURE;
+/// Lumbosacral joint above the hips, share of the stature.
+const SPINE: f64 = 0.05;
+/// From there to the chest.
+const ABDOMEN: f64 = 0.09;
+/// From the chest to shoulder height: hips are at 0.53, shoulders at 0.818.
+const THORAX: f64 = 0.818 - 0.53 - SPINE - ABDOMEN;
 const RATE: f64 = 30.0;
 const FRAMES: usize = 111;
 /// Seconds.
@@ -62,15 +68,15 @@ fn skeleton() -> Skeleton {
         joint("knee", Some(hip), [0.0, -0.245 * h, 0.0], roles[1], None);
         joint("foot", Some(hip + 1), [0.0, -0.246 * h, 0.0], roles[2], ball);
     }
-    joint("spine", Some(HIPS), [0.0, 0.08 * h, 0.0], JointRole::Spine, None);
-    joint("chest", Some(7), [0.0, 0.08 * h, 0.0], JointRole::Chest, None);
-    joint("neck", Some(8), [0.0, 0.128 * h, 0.0], JointRole::Neck, Some(DVec3::Y * (0.1 * h)));
+    joint("spine", Some(HIPS), [0.0, SPINE * h, 0.0], JointRole::Spine, None);
+    joint("chest", Some(7), [0.0, ABDOMEN * h, 0.0], JointRole::Chest, None);
+    joint("neck", Some(8), [0.0, THORAX * h, 0.0], JointRole::Neck, Some(DVec3::Y * (0.1 * h)));
     for (side, roles) in [
         (1.0, [JointRole::LeftClavicle, JointRole::LeftShoulder, JointRole::LeftElbow]),
         (-1.0, [JointRole::RightClavicle, JointRole::RightShoulder, JointRole::RightElbow]),
     ] {
         let collar = if side > 0.0 { 10 } else { 13 };
-        joint("collar", Some(8), [0.0, 0.128 * h, 0.0], roles[0], None);
+        joint("collar", Some(8), [0.0, THORAX * h, 0.0], roles[0], None);
         joint("shoulder", Some(collar), [side * 0.129 * h, 0.0, 0.0], roles[1], None);
         joint("elbow", Some(collar + 1), [0.0, -0.186 * h, 0.0], roles[2], Some(DVec3::NEG_Y * (0.146 * h)));
     }
@@ -157,11 +163,17 @@ fn pose(skeleton: &Skeleton, seconds: f64) -> (Pose, [bool; 2]) {
     (pose, bears)
 }
 
+/// The reference's arms are upper arms and forearms: it has no joints of hands, and what no joint turns weighs nothing there.
+fn handless(body: &BodyModel) -> BodyModel {
+    let mass = |link: &Link| if link.segment == Segment::Hand { 0.0 } else { link.mass };
+    body.with_link_masses(&body.links.iter().map(mass).collect::<Vec<f64>>())
+}
+
 pub(crate) fn on_a_circle() -> Figure {
     let skeleton = Arc::new(skeleton());
     let frames: Vec<(Pose, [bool; 2])> =
         (0..FRAMES).map(|frame| pose(&skeleton, START + frame as f64 / RATE)).collect();
-    let body = body_model(&skeleton, &BodySettings::default()).expect("a whole body");
+    let body = handless(&body_model(&skeleton, &BodySettings::default()).expect("a whole body"));
     let poses: Vec<Pose> = frames.iter().map(|(pose, _)| pose.clone()).collect();
     let clip = Clip::from_poses("circle", skeleton, RATE, &poses);
     let supports = [Side::Left, Side::Right]

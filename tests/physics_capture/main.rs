@@ -5,6 +5,7 @@
 
 #[path = "../captures/mod.rs"]
 mod captures;
+mod masses;
 #[path = "../captures/performance.rs"]
 mod performance;
 mod warnings;
@@ -15,14 +16,12 @@ use captures::{Run, mocap_folder};
 use cotillion::physics::ballistics::FlightCheck;
 use cotillion::physics::body_model::Segment;
 use cotillion::physics::derivatives::Filter;
-use cotillion::physics::masses::{
-    FlightMassSettings, MassMethod, MassSettings, masses_from_flight, masses_from_ground,
-};
 use cotillion::physics::posed::{centers_of_mass, link_places};
 use cotillion::physics::sole::{Sole, SolePart};
 use cotillion::physics::stages::{Bearer, Phase};
 use cotillion::physics::zmp::{ForceSettings, balances, distance_summary, link_forces};
 use libtest_mimic::{Arguments, Failed};
+use masses::{SINGLE_WALKS, UNSEEN, WALKS};
 use performance::{Performance, load, load_as};
 
 /// Mean distances of zero moment points from polygons as captured, millimetres: by the Gaussian and by the judge, as a prototype of these
@@ -70,14 +69,6 @@ const OFF_PARABOLA: f64 = 0.019;
 /// Height of ankle and ball of the left and the right foot when flat, metres.
 const CLEARANCES: [(&str, [f64; 4]); 1] = [("amc/cmu_16_15_walk_straight.amc", [0.082, 0.044, 0.079, 0.026])];
 
-const WALKS: [&str; 3] = [
-    "amc/cmu_16_15_walk_straight.amc",
-    "amc/cmu_16_11_walk_veer_left.amc",
-    "amc/cmu_16_13_walk_veer_right.amc",
-];
-const UNSEEN: [&str; 2] =
-    ["amc/cmu_16_17_walk_90_degree_left_turn.amc", "amc/cmu_16_33_slow_walk_then_stop.amc"];
-
 /// Nobody leaves the ground in these, though feet rise to another level, drift off the floor, or hang.
 const GROUNDED: [&str; 8] = [
     "amc/cmu_02_01_walk_straight.amc",
@@ -118,11 +109,24 @@ fn main() {
         trial("the back flip is doubtful".to_owned(), flip_is_doubtful, FLIP),
         trial("16_05 flies when it does".to_owned(), jump_flies, JUMP),
         trial("tips carry the push-off".to_owned(), tips_carry, WALKS[0]),
-        trial("walks tell masses near the table".to_owned(), walks_tell_masses, ""),
-        trial("conjugate gradients agree that walks do".to_owned(), descent_agrees, ""),
-        trial("jumps tell masses near the table".to_owned(), jumps_tell_masses, ""),
-        trial("flips tell no masses".to_owned(), flips_tell_no_masses, FLIP),
+        trial("walks tell masses near the table".to_owned(), masses::walks_tell_masses, ""),
+        trial(
+            "without what noise adds to the pull a turn tells a light head".to_owned(),
+            masses::noise_must_pull,
+            UNSEEN[0],
+        ),
+        trial("pairs of walks tell masses near the table".to_owned(), masses::pairs_tell_masses, ""),
+        trial("conjugate gradients agree that walks do".to_owned(), masses::descent_agrees, ""),
+        trial("jumps tell masses near the table".to_owned(), masses::jumps_tell_masses, ""),
+        trial("flips tell no masses".to_owned(), masses::flips_tell_no_masses, FLIP),
     ];
+    for file in SINGLE_WALKS {
+        trials.push(trial(
+            format!("{file} alone tells masses near the table"),
+            masses::walk_tells_masses,
+            file,
+        ));
+    }
     for (file, ..) in DISTANCES {
         trials.push(trial(format!("{file} is balanced as measured"), distances_agree, file));
     }
@@ -300,71 +304,6 @@ fn flip_is_doubtful(folder: &Path, file: &str) -> Result<(), Failed> {
     let is_told =
         check.is_doubtful() && (50.0..62.0).contains(&check.gravity) && (48.0..53.0).contains(&rate);
     if is_told && check.residual > 0.03 { Ok(()) } else { Err(check.to_string().into()) }
-}
-
-fn walks(folder: &Path, files: &[&str]) -> Result<Vec<Performance>, Failed> {
-    files.iter().map(|file| load(folder, file)).collect()
-}
-
-fn walks_tell_masses(folder: &Path, _: &str) -> Result<(), Failed> {
-    let seen = walks(folder, &WALKS)?;
-    let standing: Vec<_> = seen.iter().map(|own| (&own.posed, &own.stages)).collect();
-    let fit = masses_from_ground(&seen[0].body, &standing, &MassSettings::default())?;
-    let told = format!("{:?} {:?} {:?}", fit.factors, fit.singular_values, fit.distances);
-    if fit.factors.iter().any(|(_, factor)| !(0.5..=2.0).contains(factor))
-        || (fit.body.mass - 75.0).abs() > 1e-4
-    {
-        return Err(told.into());
-    }
-    // What is not seen gets better, too.
-    for own in seen.iter().chain(&walks(folder, &UNSEEN)?) {
-        let fitted = Performance { body: fit.body.clone(), ..own.clone() };
-        let (before, after) = (distance(own, Filter::Gaussian)?, distance(&fitted, Filter::Gaussian)?);
-        if after > 0.95 * before {
-            return Err(format!("{} {before} {after} {told}", own.clip.name).into());
-        }
-    }
-    Ok(())
-}
-
-fn descent_agrees(folder: &Path, _: &str) -> Result<(), Failed> {
-    let seen = walks(folder, &WALKS)?;
-    let standing: Vec<_> = seen.iter().map(|own| (&own.posed, &own.stages)).collect();
-    let settings = MassSettings { method: MassMethod::ConjugateGradients, ..MassSettings::default() };
-    let fit = masses_from_ground(&seen[0].body, &standing, &settings)?;
-    let plausible = fit.factors.iter().all(|(_, factor)| (0.5..=2.0).contains(factor));
-    let [before, after] = fit.distances;
-    if plausible && after < 0.85 * before {
-        return Ok(());
-    }
-    Err(format!("{:?} {:?}", fit.factors, fit.distances).into())
-}
-
-fn jumps_tell_masses(folder: &Path, _: &str) -> Result<(), Failed> {
-    let jumps = walks(folder, &[JUMP, "amc/cmu_16_03_high_jump_in_place.amc"])?;
-    let flights = jumps.iter().map(|own| {
-        let (first, last) = own.stages.flight_runs()[0];
-        (&own.posed, first, last)
-    });
-    let fit =
-        masses_from_flight(&jumps[0].body, &flights.collect::<Vec<_>>(), &FlightMassSettings::default())?;
-    let [before, after] = fit.residuals;
-    let is_plausible = fit.is_fitted && fit.largest_change() < 0.3 && (fit.body.mass - 75.0).abs() < 1e-4;
-    if is_plausible && before < 0.006 && after < before { Ok(()) } else { Err(format!("{fit:?}").into()) }
-}
-
-fn flips_tell_no_masses(folder: &Path, file: &str) -> Result<(), Failed> {
-    let own = load(folder, file)?;
-    let check = only(&own.stages.flights)?;
-    let fit = masses_from_flight(
-        &own.body,
-        &[(&own.posed, check.first, check.last)],
-        &FlightMassSettings::default(),
-    )?;
-    if !fit.is_fitted && fit.factors.iter().all(|(_, factor)| *factor == 1.0) && fit.body == own.body {
-        return Ok(());
-    }
-    Err(format!("{fit:?}").into())
 }
 
 /// Segments of one trunk link have no abdomen of their own.

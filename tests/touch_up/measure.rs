@@ -91,6 +91,26 @@ impl Edited {
         Ok(Done { clip, report })
     }
 
+    /// The last iterate, which no judge chose; planted points must stay in it all the same.
+    pub(crate) fn last_iterate(&self, name: &str, unjudged: &GroundSettings) -> Result<Clip, Failed> {
+        let (clip, report) =
+            ground_pass(&self.clip, &self.body, &self.stages, self.source.as_ref(), unjudged)?;
+        let [before, after] = [&self.clip, &clip].map(|clip| self.distances(clip));
+        tell(&format!(
+            "{name}: d {:.1} -> {:.1} mm, judge {:.1} -> {:.1}",
+            before[0], after[0], before[1], after[1]
+        ));
+        if self.farthest_plant(&clip) > PLANTED || report.kept != report.steps.len() {
+            return Err(format!(
+                "{name}: kept {} of {} steps, or a plant moved",
+                report.kept,
+                report.steps.len()
+            )
+            .into());
+        }
+        Ok(clip)
+    }
+
     /// Touches up on the ground and in the air, and checks that the judge sees nothing become worse, and that flights that are left
     /// are as the ground pass leaves them.
     pub(crate) fn touched_up_whole(&self, name: &str, ground: &GroundSettings) -> Result<TouchedUp, Failed> {

@@ -47,6 +47,8 @@ pub struct GroundSettings {
     pub inertia: bool,
     /// What others exert.
     pub external: Vec<ExternalForce>,
+    /// Whether the judge chooses among the iterates; otherwise the last one is the result, as published, even if it is worse than the input.
+    pub judged: bool,
 }
 
 /// Share of the stature by which polygons are made smaller.
@@ -63,6 +65,7 @@ impl Default for GroundSettings {
             two_axis: false,
             inertia: false,
             external: Vec::new(),
+            judged: true,
         }
     }
 }
@@ -129,7 +132,9 @@ pub fn ground_pass(
             }
             let done = state.step(step);
             report.steps.push(done);
-            best.take(&state, report.steps.len());
+            if !settings.judged || best.is_beaten_by(&state.judged()) {
+                best.take(&state, report.steps.len());
+            }
         }
         let is_idle = state.judged().optimised() > (1.0 - PROGRESS) * before;
         idle = if is_idle { idle + 1 } else { 0 };
@@ -142,7 +147,7 @@ pub fn ground_pass(
     Ok((result, report))
 }
 
-/// The best iterate so far.
+/// The best iterate so far, or the last.
 struct Best {
     start: Judged,
     judged: Judged,
@@ -152,11 +157,11 @@ struct Best {
 }
 
 impl Best {
+    fn is_beaten_by(&self, judged: &Judged) -> bool {
+        !judged.is_farther_than(&self.start) && judged.is_better_than(&self.judged)
+    }
+
     fn take(&mut self, state: &State<'_>, steps: usize) {
-        let judged = state.judged();
-        if judged.is_farther_than(&self.start) || !judged.is_better_than(&self.judged) {
-            return;
-        }
         match &mut self.clip {
             Some(clip) => {
                 clip.root_positions.copy_from_slice(&state.clip.root_positions);
@@ -164,7 +169,7 @@ impl Best {
             }
             none => *none = Some(state.clip.clone()),
         }
-        (self.judged, self.steps) = (judged, steps);
+        (self.judged, self.steps) = (state.judged(), steps);
     }
 }
 

@@ -91,6 +91,12 @@ impl MassProblem {
         sum / self.frames.len().max(1) as f64
     }
 
+    /// Mean squared distance of the zero moment points from their polygons, m².
+    pub fn mean_square_distance(&self, factors: &[f64]) -> f64 {
+        let sum: f64 = self.frames.iter().map(|frame| frame.target(factors).1.powi(2)).sum();
+        sum / self.frames.len().max(1) as f64
+    }
+
     /// Of the rows `(X − Z*_x V)/g`, `(Z − Z*_z V)/g` per kilogram of each group, `Z*` the point of the polygon nearest to the table's zero
     /// moment point; metres, falling. Cost: cubic in groups, linear in frames.
     pub fn singular_values(&self) -> Vec<f64> {

@@ -4,7 +4,8 @@
 //! sum.
 //!
 //! On the ground zero moment points must lie in the polygons. Feet are so large that this says little: every point that lies inside
-//! already says nothing, and the fit is held by a pull to the table. The default is a convex quadratic program; descent by conjugate
+//! already says nothing, and the fit is held by a pull to the table, the stronger the farther a motion is off: rows count in units of their
+//! own noise. The default is a convex quadratic program; descent by conjugate
 //! gradients, as published, ends at the same objective less surely. In flight the centre of mass must follow a parabola, which says
 //! more, but sees errors of joint centres as well.
 
@@ -35,6 +36,9 @@ pub struct MassSettings {
     pub method: MassMethod,
     /// Weight of a squared relative change of one segment, m² for each frame: a hundredth of it moves half of the body into the abdomen.
     pub pull: f64,
+    /// The same as a share of the mean squared distance of zero moment points from polygons, by the table's masses. The larger of both pulls:
+    /// what labels and joint centres get wrong by centimetres must not be put right by masses.
+    pub pull_of_noise: f64,
     /// No segment gets lighter than this share of its table's mass.
     pub least: f64,
     /// Nearer frames tell nothing new, seconds.
@@ -43,7 +47,13 @@ pub struct MassSettings {
 
 impl Default for MassSettings {
     fn default() -> Self {
-        Self { method: MassMethod::Quadratic, pull: 1.5e-5, least: 0.2, spacing: 1.0 / 60.0 }
+        Self {
+            method: MassMethod::Quadratic,
+            pull: 1.5e-5,
+            pull_of_noise: 0.25,
+            least: 0.2,
+            spacing: 1.0 / 60.0,
+        }
     }
 }
 
@@ -98,7 +108,9 @@ pub fn masses_from_ground(
     if problem.frames.is_empty() {
         return Err(MassError::NoGround);
     }
-    let pull = settings.pull * problem.frames.len() as f64;
+    let table = vec![1.0; segments.len()];
+    let noise = settings.pull_of_noise * problem.mean_square_distance(&table);
+    let pull = settings.pull.max(noise) * problem.frames.len() as f64;
     let factors = match settings.method {
         MassMethod::Quadratic => problem.solve(pull, settings.least)?,
         MassMethod::ConjugateGradients => descend(&problem, pull, settings.least),
@@ -106,7 +118,7 @@ pub fn masses_from_ground(
     Ok(MassFit {
         body: reweighed(body, &segments, &factors),
         singular_values: problem.singular_values(),
-        distances: [problem.mean_distance(&vec![1.0; segments.len()]), problem.mean_distance(&factors)],
+        distances: [problem.mean_distance(&table), problem.mean_distance(&factors)],
         frames: problem.frames.len(),
         factors: segments.into_iter().zip(factors).collect(),
     })
