@@ -135,6 +135,22 @@ fn a_result_that_cannot_be_written_ends_with_exit_code_2() {
     assert_eq!(fs::read(home.path("result")).expect("still there"), b"in the way");
 }
 
+/// What is printed is lost on a full disk: nobody is told that all is well.
+#[test]
+#[cfg(target_os = "linux")]
+fn a_result_that_cannot_be_printed_ends_with_exit_code_2() {
+    for arguments in [&["relay", "-n", "12"][..], &["schema"], &["clips"]] {
+        let full = fs::OpenOptions::new().write(true).open("/dev/full").expect("a device");
+        let output = Command::new(env!("CARGO_BIN_EXE_cotillion"))
+            .args(arguments)
+            .stdout(full)
+            .output()
+            .expect("it runs");
+        assert_eq!(output.status.code(), Some(2), "{arguments:?}");
+        assert!(said(&output).contains("standard output: error: cannot be written"), "{}", said(&output));
+    }
+}
+
 #[test]
 fn every_bad_scene_ends_with_exit_code_2_a_place_and_a_remedy() {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/bad_scenes");

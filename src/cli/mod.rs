@@ -256,7 +256,7 @@ pub(crate) fn main() -> ExitCode {
             Ok(())
         }
     };
-    match done {
+    match done.and_then(|()| Output::all_printed()) {
         Ok(()) => ExitCode::SUCCESS,
         Err(Failure::Unsatisfiable | Failure::CaseFailed) => ExitCode::from(1),
         Err(Failure::BadInput) => ExitCode::from(2),

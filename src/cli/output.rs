@@ -1,7 +1,8 @@
 //! All printing of the program, and its progress bar.
 
-use std::io::{IsTerminal, Write};
+use std::io::{ErrorKind, IsTerminal, Write};
 use std::path::Path;
+use std::sync::OnceLock;
 use std::time::Duration;
 
 use cotillion::export::files::write_one;
@@ -10,6 +11,9 @@ use indicatif::{ProgressBar, ProgressStyle};
 use serde::Serialize;
 
 use super::{Failure, Manner};
+
+/// Why something that was to be printed is not.
+static UNPRINTED: OnceLock<std::io::Error> = OnceLock::new();
 
 /// Where and how a command prints.
 pub(crate) struct Output {
@@ -32,10 +36,22 @@ impl Output {
         Self { manner }
     }
 
-    /// Prints a result. A reader that has gone away is no fault of ours.
+    /// Prints a result. A reader that has gone away is no fault of ours; any other is told in the end.
     pub(crate) fn print(&self, text: &str) {
         let mut stdout = std::io::stdout().lock();
-        let _ = stdout.write_all(text.as_bytes()).and_then(|()| stdout.flush());
+        match stdout.write_all(text.as_bytes()).and_then(|()| stdout.flush()) {
+            Err(error) if error.kind() != ErrorKind::BrokenPipe => drop(UNPRINTED.set(error)),
+            _ => {}
+        }
+    }
+
+    /// Whether all that was to be printed is; tells why not.
+    pub(crate) fn all_printed() -> Result<(), Failure> {
+        let Some(error) = UNPRINTED.get() else { return Ok(()) };
+        let help = Some("print to where there is room; files that were asked for are written".to_owned());
+        let message = format!("cannot be written: {error}");
+        let error = PlainError { file: "standard output".to_owned(), line: 0, column: 0, message, help };
+        Err(Self::new(Manner { json: false, quiet: false }).fail(error))
     }
 
     /// Prints what only people read.

@@ -92,7 +92,7 @@ struct Written {
 pub(crate) fn relay(args: &RelayArgs) -> Result<(), Failure> {
     let output = Output::new(args.manner);
     let asked = asked(args).map_err(|error| output.fail(error))?;
-    let text = relay::relay(&asked, &command(args, &asked)).map_err(|error| {
+    let scene = relay::relay_with_clashes(&asked, &command(args, &asked)).map_err(|error| {
         let help = Some(error.help().to_owned());
         output.fail(PlainError {
             file: "relay".to_owned(),
@@ -102,6 +102,8 @@ pub(crate) fn relay(args: &RelayArgs) -> Result<(), Failure> {
             help,
         })
     })?;
+    let (text, clashes) = scene;
+    tell_clashes(&output, &clashes);
     match &args.output {
         None => output.print(&text),
         Some(path) => {
@@ -109,13 +111,29 @@ pub(crate) fn relay(args: &RelayArgs) -> Result<(), Failure> {
             let file = path.display().to_string();
             let (carriers, disturbers) = relay::counts(&asked).unwrap_or_default();
             output.say(&format!(
-                "{file}: {carriers} carriers, {} boxes, {disturbers} disturbers\n",
-                asked.boxes
+                "{file}: {carriers} carriers, {} box{}, {disturbers} disturbers\n",
+                asked.boxes,
+                if asked.boxes == 1 { "" } else { "es" }
             ));
             output.print_json(&Written { file, carriers, boxes: asked.boxes, disturbers });
         }
     }
     Ok(())
+}
+
+/// Tells who are in each other: the scene is sound all the same.
+fn tell_clashes(output: &Output, clashes: &[String]) {
+    /// So many are told.
+    const TOLD: usize = 3;
+    if clashes.is_empty() {
+        return;
+    }
+    let more = clashes.len().saturating_sub(TOLD);
+    let others = if more > 0 { format!("; {more} more") } else { String::new() };
+    let told = clashes[..clashes.len() - more].join("; ");
+    output.note(&format!(
+        "{told}{others}; a wider curve that does not come back to where it was, another --spacing or fewer --disturbers leave more room"
+    ));
 }
 
 fn asked(args: &RelayArgs) -> Result<Relay, PlainError> {

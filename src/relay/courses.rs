@@ -90,22 +90,25 @@ const REACH: f64 = 0.7;
 /// All of the plan is within so many metres of the origin.
 const FAR: f64 = 2e5;
 
-/// Metres between what two take up, where they come nearest to each other at any one time; below 0 where they are in each
-/// other. Cost: linear in knots.
-pub fn gap(one: &Course, other: &Course) -> f64 {
+/// Metres between what two take up, where they come nearest to each other at any one time, and that time, seconds; below 0 where
+/// they are in each other. Cost: linear in knots.
+pub fn gap(one: &Course, other: &Course) -> (f64, f64) {
     let mut times: Vec<f64> = one.knots.iter().chain(&other.knots).map(|(time, _)| *time).collect();
     times.sort_by(f64::total_cmp);
-    let apart: Vec<c64> = times.iter().map(|time| one.at(*time) - other.at(*time)).collect();
+    let apart = |time: &f64| (*time, one.at(*time) - other.at(*time));
+    let apart: Vec<(f64, c64)> = times.iter().map(apart).collect();
     let between = apart.windows(2).map(|pair| from_origin(pair[0], pair[1]));
-    let nearest = between.chain([apart[0].norm()]).fold(f64::INFINITY, f64::min);
-    nearest - one.radius - other.radius
+    let first = (apart[0].1.norm(), apart[0].0);
+    let (nearest, time) = between.fold(first, |least, own| if own.0 < least.0 { own } else { least });
+    (nearest - one.radius - other.radius, time)
 }
 
-/// Distance of the origin from the line between two points.
-fn from_origin(a: c64, b: c64) -> f64 {
+/// Distance of the origin from the line between two points, each with its time, and the time there.
+fn from_origin((from, a): (f64, c64), (to, b): (f64, c64)) -> (f64, f64) {
     let way = b - a;
     let share = if way.norm_sqr() > 0.0 { -(a * way.conj()).re / way.norm_sqr() } else { 0.0 };
-    (a + way * share.clamp(0.0, 1.0)).norm()
+    let share = share.clamp(0.0, 1.0);
+    ((a + way * share).norm(), from + (to - from) * share)
 }
 
 /// Many courses, found by where they are.
@@ -132,7 +135,32 @@ impl Crowd {
             course.cells().iter().filter_map(|cell| self.cells.get(cell)).flatten().copied().collect();
         let others =
             near.into_iter().map(|index| &self.courses[index]).filter(|(whom, _)| Some(*whom) != but);
-        others.map(|(_, other)| gap(course, other)).fold(f64::INFINITY, f64::min)
+        others.map(|(_, other)| gap(course, other).0).fold(f64::INFINITY, f64::min)
+    }
+
+    /// Who are ever in each other, the two numbers rising, with the [`gap`]; each two once, where they are deepest. Cost: linear in
+    /// all, times those about each.
+    pub fn clashes(&self) -> BTreeMap<(usize, usize), (f64, f64)> {
+        let mut clashes = BTreeMap::new();
+        let mut seen = BTreeSet::new();
+        let pairs = self.cells.values().flat_map(|cell| {
+            cell.iter()
+                .enumerate()
+                .flat_map(|(place, one)| cell[place + 1..].iter().map(|other| (*one, *other)))
+        });
+        for (one, other) in pairs {
+            let [(whom, course), (who, beside)] = [one, other].map(|index| &self.courses[index]);
+            if whom == who || !seen.insert((one, other)) {
+                continue;
+            }
+            let found = gap(course, beside);
+            let known = clashes.entry((*whom.min(who), *whom.max(who))).or_insert((0.0, 0.0));
+            if found.0 < known.0 {
+                *known = found;
+            }
+        }
+        clashes.retain(|_, (gap, _)| *gap < 0.0);
+        clashes
     }
 }
 
@@ -150,10 +178,11 @@ mod tests {
         let one = walking((-5.0, 0.0), (5.0, 0.0), (0.0, 10.0));
         // Both at the origin at 5 s; four seconds, that is four metres, later it is 4 / √2 m away.
         let crossing = |late: f64| walking((0.0, -5.0), (0.0, 5.0), (late, 10.0 + late));
-        assert!((gap(&one, &crossing(0.0)) + 2.0 * BODY).abs() < 1e-12);
-        assert!((gap(&one, &crossing(4.0)) - (8.0_f64.sqrt() - 2.0 * BODY)).abs() < 1e-12);
+        let (deep, when) = gap(&one, &crossing(0.0));
+        assert!((deep + 2.0 * BODY).abs() < 1e-12 && (when - 5.0).abs() < 1e-12);
+        assert!((gap(&one, &crossing(4.0)).0 - (8.0_f64.sqrt() - 2.0 * BODY)).abs() < 1e-12);
         let standing = Course::resting(c64::new(2.0, 1.0), BODY);
-        assert!((gap(&one, &standing) - 0.5).abs() < 1e-12);
+        assert!((gap(&one, &standing).0 - 0.5).abs() < 1e-12);
     }
 
     #[test]
@@ -165,5 +194,19 @@ mod tests {
         assert!((crowd.gap(&here, None) - 0.1).abs() < 1e-9);
         assert!((crowd.gap(&here, Some(1)) - (0.6 - BODY)).abs() < 1e-9);
         assert!(crowd.gap(&Course::resting(c64::new(20.0, -60.0), 0.0), None).is_infinite());
+    }
+
+    #[test]
+    fn who_are_in_each_other_are_told_once_but_their_own_things_are_not() {
+        let mut crowd = Crowd::default();
+        crowd.add(0, walking((-50.0, 0.0), (50.0, 0.0), (0.0, 100.0)));
+        crowd.add(1, walking((0.0, -50.0), (0.0, 50.0), (0.0, 100.0)));
+        crowd.add(2, Course::resting(c64::new(30.0, 0.4), BODY));
+        crowd.add(2, Course::resting(c64::new(30.0, 0.5), BODY));
+        crowd.add(3, Course::resting(c64::new(-30.0, 0.6), BODY));
+        let clashes: Vec<_> = crowd.clashes().into_iter().collect();
+        assert_eq!(clashes.iter().map(|own| own.0).collect::<Vec<_>>(), [(0, 1), (0, 2)]);
+        assert!((clashes[0].1.0 + 2.0 * BODY).abs() < 1e-9 && (clashes[0].1.1 - 50.0).abs() < 1e-9);
+        assert!((clashes[1].1.0 - (0.4 - 2.0 * BODY)).abs() < 1e-9 && (clashes[1].1.1 - 80.0).abs() < 1e-9);
     }
 }

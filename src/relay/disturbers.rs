@@ -86,10 +86,27 @@ pub fn pat() -> Act {
     act("pat", "slap", &[], &[])
 }
 
+/// Two of a relay who are ever in each other, as clips last.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Clash {
+    /// Who: positions of carriers, or behind them of disturbers (or of what these jump over); rising.
+    pub who: (usize, usize),
+    /// How far into each other, metres.
+    pub depth: f64,
+    /// When they are so deep in each other, seconds.
+    pub time: f64,
+}
+
 /// `count` disturbers, spread evenly over the carriers. Who is to be patted waits. Each is where nobody else comes, as clips last:
 /// of its ways to disturb, in the order in which chance and nearness prefer them, the first with room for it; where none has,
 /// that with the most. Those who can give way least are placed first. Cost: linear in disturbers and those about them.
-pub fn disturbers(relay: &Relay, carriers: &mut [Carrier], count: usize, acts: &Acts) -> Vec<Disturber> {
+/// Also who are in each other all the same.
+pub fn disturbers(
+    relay: &Relay,
+    carriers: &mut [Carrier],
+    count: usize,
+    acts: &Acts,
+) -> (Vec<Disturber>, Vec<Clash>) {
     let clips = Clips { left: aside(true), right: aside(false), jump: jump(), pat: pat(), acts };
     let asked: Vec<(usize, Disturbance)> = (0..count)
         .map(|index| {
@@ -116,7 +133,13 @@ pub fn disturbers(relay: &Relay, carriers: &mut [Carrier], count: usize, acts: &
         }
     }
     placed.sort_by_key(|(index, _)| *index);
-    placed.into_iter().map(|(_, disturber)| disturber).collect()
+    // In the way of the one it disturbs it is meant to be.
+    let meant = |(one, other): &(usize, usize)| {
+        other.checked_sub(carriers.len()).is_some_and(|index| asked[index].0 == *one)
+    };
+    let clash = |(who, (gap, time)): (_, (f64, f64))| Clash { who, depth: -gap, time };
+    let clashes = crowd.clashes().into_iter().filter(|(who, _)| !meant(who)).map(clash).collect();
+    (placed.into_iter().map(|(_, disturber)| disturber).collect(), clashes)
 }
 
 /// The first of some ways with room for it, else that with the most; and what it takes up.

@@ -5,7 +5,7 @@ use std::f64::consts::PI;
 use super::acts::{Act, PALMS_APART, Place, REACH, STATURE, WIDTH, act, nearest_turn};
 use super::chance::{Choice, below, signed};
 use super::curve::{Curve, curve};
-use super::disturbers::{Disturber, disturbers};
+use super::disturbers::{Clash, Disturber, disturbers};
 use super::ways::{wait_for_boxes, walk};
 use super::{Disturbance, FARTHEST_DRAG, HEIGHTS, LONGEST_PHASE, Relay, RelayError, counts, most_boxes};
 use crate::geometry::{c64, cis};
@@ -101,6 +101,8 @@ pub struct Layout {
     pub spacing: f64,
     /// The clips that all share.
     pub acts: Acts,
+    /// Who are in each other, as clips last.
+    pub clashes: Vec<Clash>,
 }
 
 /// Hand-overs are so far beside the curve, to the left and to the right in turn, metres: nobody turns right round and walks
@@ -130,8 +132,8 @@ pub fn layout(relay: &Relay) -> Result<Layout, RelayError> {
     if far > FARTHEST {
         return Err(RelayError::TooFar(far));
     }
-    let disturbers = disturbers(relay, &mut carriers, disturbing, &acts);
-    Ok(Layout { carriers, disturbers, starters, beginnings, spacing, acts })
+    let (disturbers, clashes) = disturbers(relay, &mut carriers, disturbing, &acts);
+    Ok(Layout { carriers, disturbers, starters, beginnings, spacing, acts, clashes })
 }
 
 /// To two digits, as it is written.

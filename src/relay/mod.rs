@@ -24,6 +24,7 @@ pub mod ways;
 pub mod write;
 
 use crate::geometry::c64;
+use disturbers::Clash;
 
 /// What is to be written.
 #[derive(Clone, Debug, PartialEq)]
@@ -228,8 +229,27 @@ impl RelayError {
 /// # Errors
 /// [`RelayError`] where the numbers do not fit each other or the curve.
 pub fn relay(relay: &Relay, command: &str) -> Result<String, RelayError> {
+    Ok(relay_with_clashes(relay, command)?.0)
+}
+
+/// The same, and who are in each other's way in it: curves that cross themselves, or come back to where they were, lead people through
+/// people. Nearest to the start first.
+///
+/// # Errors
+/// As [`relay`].
+pub fn relay_with_clashes(relay: &Relay, command: &str) -> Result<(String, Vec<String>), RelayError> {
     let layout = layout::layout(relay)?;
-    Ok(write::scene(relay, &layout, command))
+    let name = |who: usize| match who.checked_sub(layout.carriers.len()) {
+        None => format!("carrier {}", who + 1),
+        Some(index) => format!("disturber {}", index + 1),
+    };
+    let tell = |clash: &Clash| {
+        let (one, other) = clash.who;
+        let Clash { depth, time, .. } = clash;
+        format!("{} and {} are in each other by {depth:.2} m at {time:.1} s", name(one), name(other))
+    };
+    let clashes = layout.clashes.iter().map(tell).collect();
+    Ok((write::scene(relay, &layout, command), clashes))
 }
 
 /// How many carry, and how many get in the way.
@@ -285,6 +305,19 @@ pub(crate) mod tests {
         assert_eq!(counted(3), Ok((3, 0)));
         assert!(counted(1).is_err() && counted(MOST_CHARACTERS + 1).is_err());
         assert!(counts(&Relay { disturbers: Some(40), ..spiral() }).is_err());
+    }
+
+    #[test]
+    fn who_are_led_through_each_other_are_told() {
+        let clashes = |asked: Relay| relay_with_clashes(&asked, "").expect("it fits").1;
+        assert_eq!(clashes(spiral()), [""; 0]);
+        // The innermost turn of the spiral is shorter than two ways.
+        let wide = Relay { characters: 4, boxes: 1, spacing: Some(60.0), ..spiral() };
+        assert_eq!(clashes(wide), ["carrier 1 and carrier 2 are in each other by 0.13 m at 15.3 s"]);
+        let there_and_back = [(0.0, 0.0), (30.0, 0.0), (30.0, 1.0), (0.0, 1.0)];
+        let along = Along::Points(there_and_back.map(|(x, y)| c64::new(x, y)).to_vec());
+        let back = clashes(Relay { characters: 24, boxes: 2, along, ..spiral() });
+        assert!(back.iter().any(|told| told.starts_with("carrier 1 and carrier 12 ")), "{back:?}");
     }
 
     #[test]

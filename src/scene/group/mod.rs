@@ -27,13 +27,16 @@ pub fn groups<'a>(document: &mut DeTable<'a>, report: &mut Report) -> Vec<Templa
         return Vec::new();
     };
     let place = Place { span: groups.span(), field: "group".to_owned() };
-    let DeValue::Array(groups) = groups.into_inner() else {
-        report.fault(
-            &place,
-            "[group] is one table, but there may be many",
-            "write [[group]] in double brackets",
-        );
-        return Vec::new();
+    let groups = match groups.into_inner() {
+        DeValue::Array(groups) => groups,
+        other => {
+            let message = match other {
+                DeValue::Table(_) => "[group] is one table, but there may be many",
+                _ => "expected the tables of a group",
+            };
+            report.fault(&place, message, "write [[group]] in double brackets");
+            return Vec::new();
+        }
     };
     groups.into_iter().enumerate().filter_map(|(index, group)| template(group, index, report)).collect()
 }
@@ -106,6 +109,11 @@ fn merged<'a>(document: &mut DeTable<'a>, piece: DeTable<'a>, group: &Place, rep
                 new.into_iter().for_each(|new| known.push(new))
             }
             (Some(DeValue::Table(known)), DeValue::Table(new)) => sound &= beside(known, new, &place, report),
+            (Some(known), _) if !matches!(known, DeValue::Array(_) | DeValue::Table(_)) => {
+                let help = "it is once in a scene: leave it out of the group";
+                report.fault(&place, format!("\"{}\" is of the whole scene", key.get_ref()), help);
+                sound = false;
+            }
             (Some(_), _) => {
                 let message = format!("\"{}\" is there already, and something else", key.get_ref());
                 report.fault(&place, message, "write both in the same way, or leave it out of the group");
@@ -115,6 +123,9 @@ fn merged<'a>(document: &mut DeTable<'a>, piece: DeTable<'a>, group: &Place, rep
     }
     sound
 }
+
+/// Tables whose keys are settings, not names.
+const ONCE: [&str; 4] = [".discrete", ".warp", ".physics", ".full_body"];
 
 /// Adds the keys of `new` to a table: lists go on, all else must be new.
 fn beside<'a>(known: &mut DeTable<'a>, new: DeTable<'a>, table: &Place, report: &mut Report) -> bool {
@@ -127,7 +138,10 @@ fn beside<'a>(known: &mut DeTable<'a>, new: DeTable<'a>, table: &Place, report: 
             }
             (Some(_), _) => {
                 let place = Place { span: key.span(), field: format!("{}.{}", table.field, key.get_ref()) };
-                let help = "put a placeholder into the key, such as \"walk {n}\"";
+                let help = match ONCE.iter().any(|once| table.field.ends_with(once)) {
+                    true => "it is once in a scene: leave it out of the group",
+                    false => "put a placeholder into the key, such as \"walk {n}\"",
+                };
                 report.fault(&place, format!("there already is \"{}\"", key.get_ref()), help);
                 sound = false;
             }

@@ -43,9 +43,10 @@ pub fn template<'a>(group: Spanned<DeValue<'a>>, index: usize, report: &mut Repo
         report.fault(&place, "a group is a table headed [[group]]", "write [[group]] on a line of its own");
         return None;
     };
-    let keys = names(tables.remove("keys"), &place, report)?;
-    let count = count(tables.remove("count"), &place, report)?;
-    let rows = rows(tables.remove("rows"), keys.as_deref(), &place, report)?;
+    let keys = names(tables.remove("keys"), &place, report);
+    let count = count(tables.remove("count"), &place, report);
+    let rows = rows(tables.remove("rows"), keys.as_ref().map(Option::as_deref), &place, report);
+    let (keys, count, rows) = (keys?, count?, rows?);
     let count = match (count, rows.is_empty()) {
         (Some(_), false) => {
             report.fault(&place, "\"count\" and \"rows\" exclude each other", "keep one of them");
@@ -170,41 +171,42 @@ fn names(given: Value<'_>, group: &Place, report: &mut Report) -> Option<Option<
     let place = Place { span: given.span(), field: format!("{}.keys", group.field) };
     let node = Node { value: given.get_ref(), place };
     let names: Vec<At<String>> = elements(&node, "an array of names", report)?;
-    let mut seen = Vec::new();
+    let (mut seen, mut sound) = (Vec::new(), true);
     for At { value: name, place } in names {
         if !is_name(&name) || name == ROW {
             let help = "write a letter, then letters, digits and '_'; i is the number of the row already";
             report.fault(&place, format!("a column cannot be called {name:?}"), help);
-            return None;
-        }
-        if seen.contains(&name) {
+            sound = false;
+        } else if seen.contains(&name) {
             report.fault(&place, format!("there are two columns \"{name}\""), "name each column once");
-            return None;
+            sound = false;
         }
         seen.push(name);
     }
-    Some(Some(seen))
+    sound.then_some(Some(seen))
 }
 
-/// Rows as long as `keys`.
+/// Rows as long as `keys`; of any length where these are at fault (`None`).
 fn rows<'a>(
     given: Value<'a>,
-    keys: Option<&[String]>,
+    keys: Option<Option<&[String]>>,
     group: &Place,
     report: &mut Report,
 ) -> Option<Vec<Vec<Spanned<DeValue<'a>>>>> {
     let Some(given) = given else {
-        if keys.is_some() {
+        if keys.flatten().is_some() {
             report.fault(group, "\"keys\" name columns, but there are no \"rows\"", "add rows = [[…], …]");
             return None;
         }
         return Some(Vec::new());
     };
     let place = Place { span: given.span(), field: format!("{}.rows", group.field) };
-    let (node, Some(keys)) = (Node { value: given.get_ref(), place: place.clone() }, keys) else {
+    let node = Node { value: given.get_ref(), place: place.clone() };
+    if keys == Some(None) {
         report.fault(group, "\"rows\" have no \"keys\"", "add keys = [\"n\", …]: a name for every column");
         return None;
-    };
+    }
+    let columns = keys.flatten().map(<[String]>::len);
     if !node.value.is_array() {
         wrong_type(&node, "an array of rows", report);
         return None;
@@ -212,33 +214,34 @@ fn rows<'a>(
     let DeValue::Array(array) = given.into_inner() else {
         return None;
     };
-    let mut rows = Vec::with_capacity(array.len());
-    for (number, row) in array.into_iter().enumerate() {
-        let place = Place { span: row.span(), field: format!("{}[{number}]", place.field) };
-        rows.push(cells(row, keys, &place, report)?);
-    }
-    if rows.is_empty() {
+    let count = array.len();
+    if count == 0 {
         report.fault(&place, "there is no row", "add at least one");
         return None;
     }
-    Some(rows)
+    let mut rows = Vec::with_capacity(count);
+    for (number, row) in array.into_iter().enumerate() {
+        let place = Place { span: row.span(), field: format!("{}[{number}]", place.field) };
+        rows.extend(cells(row, columns, &place, report));
+    }
+    (rows.len() == count).then_some(rows)
 }
 
 fn cells<'a>(
     row: Spanned<DeValue<'a>>,
-    keys: &[String],
+    columns: Option<usize>,
     place: &Place,
     report: &mut Report,
 ) -> Option<Vec<Spanned<DeValue<'a>>>> {
-    let expected = format!("a row of {} values, one for each of \"keys\"", keys.len());
+    let many = columns.map_or(String::new(), |columns| format!("{columns} "));
+    let expected = format!("a row of {many}values, one for each of \"keys\"");
     match row.into_inner() {
-        DeValue::Array(cells) if cells.len() == keys.len() => Some(cells.into_iter().collect()),
+        DeValue::Array(cells) if columns.is_none_or(|columns| cells.len() == columns) => {
+            Some(cells.into_iter().collect())
+        }
         DeValue::Array(cells) => {
-            report.fault(
-                place,
-                format!("expected {expected}, found {}", cells.len()),
-                format!("write {expected}"),
-            );
+            let message = format!("expected {expected}, found {}", cells.len());
+            report.fault(place, message, format!("write {expected}"));
             None
         }
         _ => {
