@@ -22,7 +22,7 @@ use cotillion::physics::stages::{Bearer, Phase};
 use cotillion::physics::zmp::{ForceSettings, balances, distance_summary, link_forces};
 use libtest_mimic::{Arguments, Failed};
 use masses::{SINGLE_WALKS, UNSEEN, WALKS};
-use performance::{Performance, load, load_as};
+use performance::{Performance, load};
 
 /// Mean distances of zero moment points from polygons as captured, millimetres: by the Gaussian and by the judge, as a prototype of these
 /// modules measured them, and by how much of them these may differ.
@@ -98,15 +98,20 @@ fn main() {
         |name: String, run: Run, file: &'static str| captures::trial(folder.as_deref(), name, run, file);
     let mut trials = vec![
         trial("every flavour of skeleton has a body".to_owned(), all_have_bodies, ""),
-        trial("a jump declared too slow names its rate".to_owned(), too_slow_names_its_rate, JUMP),
-        trial("a jump in another unit names its scale".to_owned(), too_large_names_its_scale, JUMP),
+        trial("a jump declared too slow names its rate".to_owned(), warnings::too_slow_names_its_rate, JUMP),
+        trial("a jump in another unit names its scale".to_owned(), warnings::too_large_names_its_scale, JUMP),
+        trial(
+            "whole runs of labels tell another scale, farther from the true one".to_owned(),
+            warnings::whole_runs_tell_less,
+            JUMP,
+        ),
         trial(
             "a jump declared slow at any rate names its own".to_owned(),
             warnings::any_rate_names_its_own,
             JUMP,
         ),
         trial("only the captures that are known to warn do".to_owned(), warnings::only_known_warn, ""),
-        trial("the back flip is doubtful".to_owned(), flip_is_doubtful, FLIP),
+        trial("the back flip is doubtful".to_owned(), warnings::flip_is_doubtful, FLIP),
         trial("16_05 flies when it does".to_owned(), jump_flies, JUMP),
         trial("tips carry the push-off".to_owned(), tips_carry, WALKS[0]),
         trial("walks tell masses near the table".to_owned(), masses::walks_tell_masses, ""),
@@ -281,29 +286,6 @@ fn motions(folder: &Path) -> Result<Vec<String>, Failed> {
 fn only(checks: &[FlightCheck]) -> Result<FlightCheck, Failed> {
     let longest = checks.iter().max_by_key(|check| check.last - check.first);
     longest.copied().ok_or_else(|| "no flight".into())
-}
-
-fn too_slow_names_its_rate(folder: &Path, file: &str) -> Result<(), Failed> {
-    let check = only(&load_as(folder, file, Some(60.0), 1.0)?.stages.flights)?;
-    let rate = check.mending_rate.unwrap_or(0.0);
-    let is_told = check.is_doubtful() && (check.gravity - 2.4).abs() < 0.1 && (rate - 120.0).abs() < 2.0;
-    if is_told { Ok(()) } else { Err(check.to_string().into()) }
-}
-
-fn too_large_names_its_scale(folder: &Path, file: &str) -> Result<(), Failed> {
-    let check = only(&load_as(folder, file, None, 2.54)?.stages.flights)?;
-    let scale = check.mending_scale.unwrap_or(0.0);
-    let is_told =
-        check.is_doubtful() && (check.gravity - 24.6).abs() < 1.0 && (scale * 2.54 - 1.0).abs() < 0.03;
-    if is_told { Ok(()) } else { Err(check.to_string().into()) }
-}
-
-fn flip_is_doubtful(folder: &Path, file: &str) -> Result<(), Failed> {
-    let check = only(&load(folder, file)?.stages.flights)?;
-    let rate = check.mending_rate.unwrap_or(0.0);
-    let is_told =
-        check.is_doubtful() && (50.0..62.0).contains(&check.gravity) && (48.0..53.0).contains(&rate);
-    if is_told && check.residual > 0.03 { Ok(()) } else { Err(check.to_string().into()) }
 }
 
 /// Segments of one trunk link have no abdomen of their own.
