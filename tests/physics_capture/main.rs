@@ -116,6 +116,11 @@ fn main() {
         trial("tips carry the push-off".to_owned(), tips_carry, WALKS[0]),
         trial("walks tell masses near the table".to_owned(), masses::walks_tell_masses, ""),
         trial(
+            "a pull of one strength tells them as measured".to_owned(),
+            masses::one_pull_tells_as_measured,
+            "",
+        ),
+        trial(
             "without what noise adds to the pull a turn tells a light head".to_owned(),
             masses::noise_must_pull,
             UNSEEN[0],

@@ -56,10 +56,10 @@ mod tests {
         let noise = |k: usize| if k.is_multiple_of(2) { 0.5 } else { -0.5 };
         let course: Vec<DVec3> =
             (0..40).map(|k| DVec3::new(noise(k), 0.0, if k < 21 { 8.0 } else { 0.0 })).collect();
-        let found = greatest_change(&course, 4).unwrap();
+        let found = greatest_change(&course, 4).expect("long enough");
         assert_eq!(found.frame, 21);
         assert!((found.change - 8.0).abs() < 1e-12);
-        let still = greatest_change(&course[..20], 4).unwrap();
+        let still = greatest_change(&course[..20], 4).expect("long enough");
         assert!(still.change < 1e-12);
         assert!(greatest_change(&course[..7], 4).is_none());
     }
