@@ -111,6 +111,7 @@ fn main() {
             JUMP,
         ),
         trial("only the captures that are known to warn do".to_owned(), warnings::only_known_warn, ""),
+        trial("only in known captures momentum breaks".to_owned(), warnings::only_known_break, ""),
         trial("the back flip is doubtful".to_owned(), warnings::flip_is_doubtful, FLIP),
         trial("16_05 flies when it does".to_owned(), jump_flies, JUMP),
         trial("tips carry the push-off".to_owned(), tips_carry, WALKS[0]),

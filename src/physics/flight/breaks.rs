@@ -19,7 +19,8 @@ pub struct MomentumBreak {
 
 /// What just before and just after mean, seconds.
 const BESIDE: f64 = 1.0 / 30.0;
-/// Momentum of captured flights is off its mean by so much of 75 kg, kg m²/s, root mean square at most.
+/// Momentum of sound captured jumps is off its mean by so much of 75 kg, kg m²/s, root mean square, as a prototype measured it.
+/// Slow drifts may be larger; neighbouring means know nothing of them.
 const SCATTER: f64 = 1.7;
 /// What such scatter makes of differences, no more than three times of it (99.7 % of what is normally distributed), is no break.
 const BREAK: f64 = 3.0 * std::f64::consts::SQRT_2 * SCATTER;
