@@ -145,8 +145,7 @@ fn every_curve_gives_a_sound_scene_without_warnings() {
 #[test]
 fn there_is_a_box_for_every_ten_who_are_asked_for() {
     let home = Home::with("");
-    for (characters, boxes) in [("2", "1 box,"), ("9", "1 box,"), ("78", "7 boxes"), ("1000", "100 boxes")]
-    {
+    for (characters, boxes) in [("2", "1 box,"), ("9", "1 box,"), ("78", "7 boxes"), ("1000", "100 boxes")] {
         let scene = home.path("relay.toml");
         let output = cotillion(&["relay", "-n", characters, "--along", "line", "-o", text(&scene)]);
         let told = String::from_utf8_lossy(&output.stdout).into_owned();

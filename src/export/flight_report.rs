@@ -40,6 +40,8 @@ pub struct FlightPassPart {
     pub momentum: f64,
     /// Farthest of two successive frames from it, kg m²/s.
     pub momentum_errors: [f64; 2],
+    /// Frame at which momentum breaks in the motion as it came, as that of no body in the air does; `null` where it does not.
+    pub momentum_break: Option<usize>,
     /// Farthest of the centre of mass from its parabola.
     pub center_errors: [f64; 2],
     /// Largest turn of the body.
@@ -72,6 +74,7 @@ impl FlightPart {
             gravity: facts.gravity,
             momentum: facts.momentum.length(),
             momentum_errors: facts.momentum_errors,
+            momentum_break: facts.momentum_break.map(|broken| broken.frame),
             center_errors: facts.center_errors,
             largest_turn: facts.largest_turn.to_degrees(),
             newton_steps: facts.newton_steps,

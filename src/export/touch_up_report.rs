@@ -233,6 +233,13 @@ fn doubts(stages: &Stages, touched: &TouchedUp, flagged: &FlaggedFrames) -> Vec<
         let degrees = facts.largest_turn.to_degrees();
         format!("the flight of frames {} to {} turns by {degrees:.0}°", facts.first, facts.last)
     }));
+    doubts.extend(touched.flight.flights.iter().filter_map(|facts| {
+        let frame = facts.momentum_break?.frame;
+        Some(format!(
+            "the flight of frames {} to {} came with a momentum that breaks at frame {frame}: a limb was captured wrong there, or labels are",
+            facts.first, facts.last
+        ))
+    }));
     if touched.ground.before.distance[0].is_none() {
         doubts.push("nothing bears the body long enough to tell a zero moment point".to_owned());
     }

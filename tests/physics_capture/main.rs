@@ -111,10 +111,16 @@ fn main() {
             JUMP,
         ),
         trial("only the captures that are known to warn do".to_owned(), warnings::only_known_warn, ""),
+        trial("only in known captures momentum breaks".to_owned(), warnings::only_known_break, ""),
         trial("the back flip is doubtful".to_owned(), warnings::flip_is_doubtful, FLIP),
         trial("16_05 flies when it does".to_owned(), jump_flies, JUMP),
         trial("tips carry the push-off".to_owned(), tips_carry, WALKS[0]),
         trial("walks tell masses near the table".to_owned(), masses::walks_tell_masses, ""),
+        trial(
+            "a pull of one strength tells them as measured".to_owned(),
+            masses::one_pull_tells_as_measured,
+            "",
+        ),
         trial(
             "without what noise adds to the pull a turn tells a light head".to_owned(),
             masses::noise_must_pull,

@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use cotillion::physics::body_model::Segment;
 use cotillion::physics::derivatives::Filter;
 use cotillion::physics::masses::{
     FlightMassSettings, MassFit, MassMethod, MassSettings, masses_from_flight, masses_from_ground,
@@ -9,7 +10,7 @@ use cotillion::physics::masses::{
 use libtest_mimic::Failed;
 
 use crate::performance::{Performance, load, verdict};
-use crate::{JUMP, distance, only};
+use crate::{DIFFERENCE, JUMP, distance, only};
 
 pub(crate) const WALKS: [&str; 3] = [
     "amc/cmu_16_15_walk_straight.amc",
@@ -67,6 +68,29 @@ pub(crate) fn walks_tell_masses(folder: &Path, _: &str) -> Result<(), Failed> {
         }
     }
     Ok(())
+}
+
+/// Mean distances in millimetres with masses that a prototype fitted to [`WALKS`] by a pull of one strength, of these and of [`UNSEEN`].
+const BY_ONE_PULL: [f64; 5] = [2.0, 3.6, 5.7, 11.2, 5.3];
+/// What the abdomen then weighs, share of the body.
+const ABDOMEN: f64 = 0.226;
+
+pub(crate) fn one_pull_tells_as_measured(folder: &Path, _: &str) -> Result<(), Failed> {
+    let seen = walks(folder, &WALKS)?;
+    let settings = MassSettings { pull_of_noise: 0.0, ..MassSettings::default() };
+    let fit = fitted(&seen.iter().collect::<Vec<_>>(), &settings)?;
+    let mut ends = Vec::new();
+    for own in seen.iter().chain(&walks(folder, &UNSEEN)?) {
+        ends.push(distance(&Performance { body: fit.body.clone(), ..own.clone() }, Filter::Gaussian)?);
+    }
+    let abdomen = fit.body.segment_masses()[Segment::Abdomen as usize] / fit.body.mass;
+    let is_near = |found: f64, stated: f64| (found / stated - 1.0).abs() < DIFFERENCE;
+    let are_near = ends.iter().zip(BY_ONE_PULL).all(|(found, stated)| is_near(*found, stated));
+    if are_near && is_near(abdomen, ABDOMEN) {
+        Ok(())
+    } else {
+        Err(format!("{ends:?} {abdomen} {}", fit.frames).into())
+    }
 }
 
 /// Whether no segment is below half or above twice what the table says.

@@ -11,6 +11,7 @@
 //! is not the mean but what keeps the landing, momentum and trajectory are exact.
 
 mod block;
+pub mod breaks;
 pub mod halves;
 pub mod momentum;
 mod neighbours;

@@ -11,6 +11,7 @@ use crate::physics::ballistics::FlightCheck;
 use crate::physics::body_model::BodyModel;
 use crate::physics::derivatives::Filter;
 use crate::physics::flight::block::{Block, Path};
+use crate::physics::flight::breaks::{MomentumBreak, momentum_break};
 use crate::physics::flight::momentum::{Pair, pairs};
 use crate::physics::posed::{PosedClip, centers_of_mass, link_places};
 use crate::physics::stages::Stages;
@@ -33,6 +34,8 @@ pub struct FlightFacts {
     pub share: f64,
     /// Farthest that the momentum of two successive frames is from that, kg m²/s.
     pub momentum_errors: [f64; 2],
+    /// Where its momentum, as it came, breaks; `None` where it does not.
+    pub momentum_break: Option<MomentumBreak>,
     /// Farthest of the centre of mass from its parabola, metres.
     pub center_errors: [f64; 2],
     /// Largest turn of the body against the input, radians.
@@ -123,6 +126,13 @@ impl fmt::Display for FlightFacts {
         if self.turns_far() {
             write!(f, "; turns of more than {FAR_TURN_DEG:.0}° are doubtful")?;
         }
+        if let Some(broken) = self.momentum_break {
+            write!(
+                f,
+                "; as it came, its momentum breaks at frame {} (by {:.1})",
+                broken.frame, broken.change
+            )?;
+        }
         if self.share < 1.0 {
             write!(f, "; only {:.0} % of the way to one momentum", 100.0 * self.share)?;
         }
@@ -161,6 +171,7 @@ impl FlightFacts {
                 momentum: turns[0] * path.aim.target,
                 momentum_errors: posed
                     .map(|posed| momentum_error(body, posed, block, turns[0] * path.aim.target)),
+                momentum_break: momentum_break(body, posed[0], (block.first, block.last)),
                 center_errors: [0, 1].map(|at| center_error(&centers[at], block, path, posed[at].step())),
                 share: path.aim.share,
                 largest_turn: path.largest_turn,
