@@ -226,7 +226,10 @@ const OWN: [&str; 4] = ["characters", "constraints", "files", "timing_ms"];
 /// What two reports of one run would have in common and have not.
 fn differs(first: &Read, other: &Read) -> Option<String> {
     if first.options != other.options {
-        return Some(format!("what was asked for ({} or {})", first.options, other.options));
+        let told = |options: &str| {
+            if options.trim().is_empty() { "nothing more".to_owned() } else { options.to_owned() }
+        };
+        return Some(format!("what was asked for ({} or {})", told(first.options), told(other.options)));
     }
     if first.common != other.common {
         return Some(COMMON.join(", "));

@@ -3,6 +3,7 @@
 
 use kurbo::{Affine, BezPath, PathEl, Point, Shape};
 use roxmltree::{Document, Node, ParsingOptions};
+use svgtypes::NumberListParser;
 
 use super::style::{Styles, Unknown};
 use crate::geometry::c64;
@@ -41,6 +42,9 @@ pub enum DrawingFault {
     /// A list of points that cannot be read.
     #[error("the points cannot be read: \"{0}\" is no number")]
     Points(String),
+    /// Half a point at the end of a list.
+    #[error("the points cannot be read: {0} numbers are no pairs")]
+    Odd(usize),
     /// A path of several pieces.
     #[error("the path jumps: it has {0} pieces")]
     Jumps(usize),
@@ -70,7 +74,7 @@ impl DrawingFault {
             Self::Path(_) => {
                 "commands are M, L, H, V, C, S, Q, T, A and Z, small or capital, each with its numbers"
             }
-            Self::Points(_) => "write pairs of numbers, as in points=\"0,0 10,5\"",
+            Self::Points(_) | Self::Odd(_) => "write pairs of numbers, as in points=\"0,0 10,5\"",
             Self::Jumps(_) => "join its pieces: one M, at the beginning",
             Self::Hidden => {
                 "show it, or name another: its display, its visibility or that of a group above hides it"
@@ -170,9 +174,16 @@ fn path(data: &str, transform: Affine) -> Result<Vec<Point>, DrawingFault> {
 }
 
 fn corners(text: &str, closed: bool) -> Result<Vec<Point>, DrawingFault> {
-    let cells = text.split(|c: char| c == ',' || c.is_whitespace()).filter(|cell| !cell.is_empty());
-    let number = |cell: &str| cell.parse().map_err(|_| DrawingFault::Points(cell.chars().take(40).collect()));
-    let numbers: Vec<f64> = cells.map(number).collect::<Result<_, _>>()?;
+    let fault = |cell: &str| DrawingFault::Points(cell.chars().take(40).collect());
+    // The first that is no number by itself is to blame; where each is, the list is.
+    let to_blame = || {
+        let mut cells = text.split(|c: char| c == ',' || c.is_whitespace()).filter(|cell| !cell.is_empty());
+        fault(cells.find(|cell| !cell.parse().is_ok_and(f64::is_finite)).unwrap_or(text))
+    };
+    let numbers: Vec<f64> = NumberListParser::from(text).collect::<Result<_, _>>().map_err(|_| to_blame())?;
+    if numbers.len() % 2 == 1 {
+        return Err(DrawingFault::Odd(numbers.len()));
+    }
     let mut points: Vec<Point> = numbers.chunks_exact(2).map(|pair| Point::new(pair[0], pair[1])).collect();
     if closed {
         points.extend(points.first().copied());
@@ -200,6 +211,9 @@ mod tests {
         assert_eq!(read("<path d=\"M0 0 L4,0 4 3\"/>"), corners);
         assert_eq!(read("<path d=\"m 0 0 h 4 v 3\"/>"), corners);
         assert_eq!(read("<polyline points=\"0,0 4,0 4,3\"/>"), corners);
+        // Signs and points part numbers, too.
+        let close = Ok(vec![c64::new(10.0, 5.0), c64::new(3.0, 2.0), c64::new(1.5, -0.5)]);
+        assert_eq!(read("<polyline points=\"10-5 3-2 1.5.5\"/>"), close);
         let closed = read("<polygon points=\"0,0 4,0 4,3\"/>").expect("it is a curve");
         assert_eq!(read("<path d=\"M0 0 L4 0 L4 3 Z\"/>").expect("it is a curve"), closed);
         assert_eq!(closed[3], c64::new(0.0, 0.0));
@@ -230,6 +244,8 @@ mod tests {
         assert!(matches!(fault("<path d=\"M0 0 L\"/>").fault, DrawingFault::Path(_)));
         assert_eq!(fault("<path d=\"M0 0 1 1 M5 5 6 6\"/>").fault, DrawingFault::Jumps(2));
         assert_eq!(fault("<polyline points=\"0,0 x,1\"/>").fault, DrawingFault::Points("x".to_owned()));
+        assert_eq!(fault("<polyline points=\"0,0 NaN,1\"/>").fault, DrawingFault::Points("NaN".to_owned()));
+        assert_eq!(fault("<polyline points=\"0,0 5,1 7\"/>").fault, DrawingFault::Odd(5));
         assert_eq!(fault("<path d=\"M0 0 0 0\"/>").fault, DrawingFault::TooShort);
         assert_eq!(fault("<polyline points=\"1 1\"/>").fault, DrawingFault::TooShort);
         let broken = drawing("<svg>\n</path>", None).expect_err("it is no XML");
