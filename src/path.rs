@@ -5,7 +5,7 @@
 use std::f64::consts::TAU;
 
 use crate::clip::working::WORKING_STEP;
-use crate::geometry::{c64, cis, lerp_angle, smoothstep};
+use crate::geometry::{c64, cis, smoothstep};
 
 pub use tangents::{
     Flip, SHORTEST_TANGENT, TangentTurning, TangentTurns, degenerate, raw_tangents, repair_tangents,
@@ -65,7 +65,8 @@ impl RestPath {
             |i: usize| if self.coincide(i, i + 1) { zero } else { self.positions[i + 1] - self.positions[i] };
         let steps: Vec<c64> = (0..self.len().saturating_sub(1)).map(step).collect();
         let inverses = steps.iter().map(|step| if *step == zero { zero } else { step.inv() }).collect();
-        RestSegments { steps, inverses }
+        let lengths = self.positions.windows(2).map(|pair| (pair[1] - pair[0]).norm_sqr().sqrt()).collect();
+        RestSegments { steps, inverses, lengths }
     }
 }
 
@@ -76,6 +77,8 @@ pub struct RestSegments {
     pub steps: Vec<c64>,
     /// `1/v_i`; 0 where both points are one.
     pub inverses: Vec<c64>,
+    /// `|q_{i+1} − q_i|`, metres, whatever is one.
+    pub lengths: Vec<f64>,
 }
 
 /// The two frames whose line shows the value at the fractional frame `frame` of `count`, and the share of the second.
@@ -115,47 +118,45 @@ pub struct SegmentFactors {
     pub rotations: Vec<c64>,
 }
 
+/// Unit rotation of a local similarity factor; 0 where it has collapsed.
+#[inline]
+pub fn rotation_of(factor: c64) -> c64 {
+    let size_sq = factor.norm_sqr();
+    if size_sq < COLLAPSED * COLLAPSED { c64::default() } else { factor / size_sq.sqrt() }
+}
+
 impl SegmentFactors {
     /// Fills both lists for `bent` against `rest`, reusing their storage. Source: Kim et al. 2009, eq. 7.
     pub fn update(&mut self, rest: &RestSegments, bent: &[c64]) {
         let segments = bent.windows(2).zip(&rest.inverses);
         self.factors.clear();
         self.factors.extend(segments.map(|(points, inverse)| (points[1] - points[0]) * inverse));
-        let unit = |z: &c64| {
-            let size_sq = z.norm_sqr();
-            if size_sq < COLLAPSED * COLLAPSED { c64::default() } else { z / size_sq.sqrt() }
-        };
         self.rotations.clear();
-        self.rotations.extend(self.factors.iter().map(unit));
+        self.rotations.extend(self.factors.iter().map(|factor| rotation_of(*factor)));
         self.fill_gaps();
     }
 
     /// Replaces missing rotations (zero) by interpolation, and missing factors by rotations.
     fn fill_gaps(&mut self) {
-        let mut previous: Option<usize> = None;
-        let mut i = 0;
-        while i < self.rotations.len() {
-            if self.rotations[i] != c64::default() {
-                previous = Some(i);
-                i += 1;
-                continue;
+        let Self { factors, rotations } = self;
+        let count = rotations.len();
+        let mut end = 0;
+        while let Some(gap) = rotations[end..].iter().position(|z| *z == c64::default()) {
+            let first = end + gap;
+            end = (first..count).find(|i| rotations[*i] != c64::default()).unwrap_or(count);
+            let one = c64::new(1.0, 0.0);
+            let (mut rotation, turn) = match (first.checked_sub(1).map(|i| rotations[i]), rotations.get(end)) {
+                (Some(before), Some(after)) => {
+                    (before, cis((after * before.conj()).arg() / (end - first + 1) as f64))
+                }
+                (Some(only), None) => (only, one),
+                (None, Some(only)) => (*only, one),
+                (None, None) => (one, one),
+            };
+            for (filled, factor) in rotations[first..end].iter_mut().zip(&mut factors[first..end]) {
+                rotation *= turn;
+                (*filled, *factor) = (rotation, rotation);
             }
-            let end = (i..self.rotations.len()).find(|j| self.rotations[*j] != c64::default());
-            let stop = end.unwrap_or(self.rotations.len());
-            for j in i..stop {
-                let rotation = match (previous, end) {
-                    (Some(l), Some(r)) => {
-                        let s = (j - l) as f64 / (r - l) as f64;
-                        cis(lerp_angle(self.rotations[l].arg(), self.rotations[r].arg(), s))
-                    }
-                    (Some(only), None) | (None, Some(only)) => self.rotations[only],
-                    (None, None) => c64::new(1.0, 0.0),
-                };
-                self.factors[j] = rotation;
-                self.rotations[j] = rotation;
-            }
-            previous = Some(stop - 1);
-            i = stop;
         }
     }
 }

@@ -261,7 +261,9 @@ impl SpringPath {
                 let (tip, springs) = (points[last], range.start..last);
                 let pairs = points[range.start..=last].windows(2);
                 for ((s, pair), compliance) in springs.clone().zip(pairs).zip(&compliances[springs]) {
-                    factor += compliance * (force * (tip - pair[0]).conj() + moment);
+                    if *compliance != 0.0 {
+                        factor += compliance * (force * (tip - pair[0]).conj() + moment);
+                    }
                     visit(s, point, factor);
                     point += factor * (pair[1] - pair[0]);
                 }

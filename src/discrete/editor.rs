@@ -19,7 +19,7 @@ use crate::discrete::remap::{Protected, bound, protected, spliced};
 use crate::discrete::settings::DiscreteSettings;
 use crate::discrete::tracks::{copies, open, rest_angles, sequence, turns};
 use crate::discrete::undo::{Made, record, with_undos};
-use crate::discrete::weighing::Proposal;
+use crate::discrete::weighing::{Proposal, Timings};
 use crate::edit::energy::Energy;
 use crate::edit::expand::capture;
 use crate::edit::{Edit, EditError, Editor, GroupResponse, Target};
@@ -86,6 +86,8 @@ pub struct DiscreteEditor {
     proposals: Vec<Option<Vec<Proposal>>>,
     /// Of each character, since systems were last factored.
     responses: Vec<OnceLock<Option<GroupResponse>>>,
+    /// Of candidates, since times were last solved.
+    timings: Timings,
 }
 
 /// A candidate, and what is known of it.
@@ -141,6 +143,7 @@ impl DiscreteEditor {
             search,
             proposals,
             responses,
+            timings: Timings::default(),
         })
     }
 
@@ -208,10 +211,13 @@ impl DiscreteEditor {
 
     /// Solves for the present targets.
     fn solve(&mut self) -> Result<(), EditError> {
-        let regrouped = self.editor.regrouped();
+        let (regrouped, timed) = (self.editor.regrouped(), self.editor.timed());
         let solved = self.editor.solve().map(|_| ());
         if self.editor.regrouped() != regrouped {
             self.forget_systems();
+        }
+        if self.editor.timed() != timed {
+            self.timings = Timings::default();
         }
         solved
     }
@@ -356,6 +362,7 @@ impl DiscreteEditor {
     /// Forgets what holds for the systems as they were factored only.
     fn forget_systems(&mut self) {
         self.responses.iter_mut().for_each(|known| *known = OnceLock::new());
+        self.timings = Timings::default();
         for proposal in self.proposals.iter_mut().flatten().flatten() {
             proposal.forget_exchange();
         }

@@ -65,8 +65,8 @@ impl Proposal {
     }
 }
 
-/// Solved times by what they depend on; `None` where there are none.
-type Timings = BTreeMap<Vec<u64>, Arc<OnceLock<Option<Timing>>>>;
+/// Solved times by what they depend on besides the targets; `None` where there are none. They hold until times are solved anew.
+pub type Timings = Mutex<BTreeMap<Vec<u64>, Arc<OnceLock<Option<Timing>>>>>;
 
 /// What the candidates of one update share.
 pub struct Weighing<'a> {
@@ -77,7 +77,7 @@ pub struct Weighing<'a> {
     /// Of each character: least energy of all that its changes leave alone, and how its group answers to them.
     others: Vec<OnceLock<f64>>,
     responses: &'a [OnceLock<Option<GroupResponse>>],
-    timings: Mutex<Timings>,
+    timings: &'a Timings,
     /// Copies of the scene to put other tracks into, as many as were needed at once.
     scenes: Mutex<Vec<Scene>>,
     /// Whether there is room to keep exchanged groups from update to update.
@@ -87,28 +87,29 @@ pub struct Weighing<'a> {
 /// What changes nothing has the present Ê to this, relative to 1 and itself; a gain of as little is none.
 const REPEATED: f64 = 1e-8;
 
-/// Exchanged groups are kept up to about so many frames of all of them, each a few hundred bytes.
-const MOST_FRAMES_KEPT: usize = 500_000;
+/// Exchanged groups are kept up to about so many paths and constraints of all of them, each a kilobyte or so.
+const MOST_KEPT: usize = 200_000;
 
 impl<'a> Weighing<'a> {
     /// Weighs changes of what `editor` has just solved. `responses`: room for that of each character, or what is known of
-    /// them since systems were last factored. `turned`: sum of the turns at seams of each character, radians. `candidates`:
-    /// how many there are to weigh.
+    /// them since systems were last factored. `timings`: room for times, or those that still hold. `turned`: sum of the turns at
+    /// seams of each character, radians. `candidates`: how many there are to weigh.
     pub fn new(
-        (editor, responses): (&'a Editor, &'a [OnceLock<Option<GroupResponse>>]),
+        (editor, responses, timings): (&'a Editor, &'a [OnceLock<Option<GroupResponse>>], &'a Timings),
         turned: Vec<f64>,
         turn_weight: f64,
         candidates: usize,
     ) -> Self {
-        let frames: usize = editor.edit().characters.iter().map(|own| own.times.len()).sum();
+        let scene = editor.scene();
+        let size = scene.characters.len() + scene.constraints.len();
         Self {
             editor,
             turn_weight,
             others: turned.iter().map(|_| OnceLock::new()).collect(),
             responses,
-            timings: Mutex::default(),
+            timings,
             scenes: Mutex::default(),
-            keeps: frames.saturating_mul(candidates) <= MOST_FRAMES_KEPT,
+            keeps: size.saturating_mul(candidates) <= MOST_KEPT,
             turned,
         }
     }

@@ -78,6 +78,8 @@ pub struct Editor {
     hands: HandsAtRest,
     /// How often spatial components were formed anew.
     regrouped: u64,
+    /// How often times were solved anew, or where objects are.
+    timed: u64,
     settings: SpatialSettings,
     backend: Backend,
 }
@@ -131,6 +133,7 @@ impl Editor {
             ties,
             hands,
             regrouped: 0,
+            timed: 0,
             settings,
             backend,
         }
@@ -175,6 +178,11 @@ impl Editor {
     /// How often solves have formed other groups of characters: what is known of the present systems holds as long as it stays.
     pub fn regrouped(&self) -> u64 {
         self.regrouped
+    }
+
+    /// How often solves have found other times, or other places of what objects hold: times of variants hold as long as it stays.
+    pub fn timed(&self) -> u64 {
+        self.timed
     }
 
     /// Scene and result, without what solves them.
@@ -255,6 +263,7 @@ impl Editor {
     /// up; then [`Editor::edit`] is still the result of the last solve that succeeded.
     pub fn solve(&mut self) -> Result<&Edit, EditError> {
         let scene = &self.scene;
+        self.timed += u64::from(!self.following.is_empty() || self.temporal.iter().any(|group| group.stale));
         for_each_stale(&mut self.temporal, |group| solve_times(scene, group))?;
         if self.scene.carries.is_empty() && self.following.is_empty() {
             self.solve_space()?;

@@ -4,6 +4,8 @@
 //! right-hand sides, substitutions and one pass over the frames. Source: Kim et al. 2009, §4.1–4.2, in the forms that
 //! the module docs of `springs`, `hold` and `reference` give.
 
+mod assembled;
+mod lengths;
 mod rotations;
 
 use std::sync::Arc;
@@ -12,9 +14,7 @@ use cotillion_solvers::KktError;
 
 use crate::edit::bodies::leave_to_the_body;
 use crate::edit::clash::{self, Miss};
-use crate::edit::columns::Freedom;
 use crate::edit::direction::Direction;
-use crate::edit::energy::length;
 use crate::edit::facing::{Body, hold_facings};
 use crate::edit::hold::{Phase, Prepared, Rotations};
 use crate::edit::own_path::chords;
@@ -27,6 +27,9 @@ use crate::edit::turned::TurnedPath;
 use crate::geometry::c64;
 use crate::index::ConstraintId;
 use crate::path::{RestPath, RestSegments};
+
+use assembled::assemble_both;
+pub(super) use assembled::freedom;
 
 /// Energies of the two phases, m².
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -321,17 +324,16 @@ impl SpatialComponent {
         if self.energy.shape + self.energy.shape_soft + self.energy.scale > most {
             return Ok(Some(Attempt::Ended(Solved::TooMuchInAll)));
         }
-        if !self.lengths_only {
-            hold_facings(held, rotations, &mut self.bodies);
+        if self.lengths_only {
+            self.find_lengths();
+            return Ok(None);
         }
-        let (scale, rests, lengths_only) = (&self.scale, &self.rests, self.lengths_only);
+        hold_facings(held, rotations, &mut self.bodies);
+        let (scale, rests) = (&self.scale, &self.rests);
         let stretch = |path: usize, edited: &mut Vec<c64>, body: &mut Body| {
             let (turned, translation) = (&turned[path], translations[path]);
             scale.points(path, |frame| turned.points[frame] + translation, edited);
-            match lengths_only {
-                true => body.length = length(edited),
-                false => body.follow(&rests[path], edited, &turned.factors),
-            }
+            body.follow(&rests[path], edited, &turned.factors);
         };
         for_each_path(rests, &mut self.edited, &mut self.bodies, stretch);
         Ok(None)
@@ -378,23 +380,4 @@ fn unique(mut constraints: Vec<ConstraintId>) -> Vec<ConstraintId> {
     constraints.sort_unstable();
     constraints.dedup();
     constraints
-}
-
-fn assemble_both(
-    paths: (&[Arc<RestPath>], &[Sampling]),
-    held: &[Prepared],
-    (settings, backend): (&SpatialSettings, Backend),
-    released: &[(usize, usize)],
-) -> [PhaseSolver; 2] {
-    [Phase::Shape, Phase::Scale]
-        .map(|phase| PhaseSolver::new(freedom(paths, phase, settings, released), held, settings, backend))
-}
-
-pub(super) fn freedom<'a>(
-    (paths, samplings): (&'a [Arc<RestPath>], &'a [Sampling]),
-    phase: Phase,
-    settings: &SpatialSettings,
-    released: &'a [(usize, usize)],
-) -> Freedom<'a> {
-    Freedom { paths, phase, runs: settings.runs, released, samplings }
 }

@@ -32,7 +32,6 @@ pub struct GroupResponse {
 struct Canvas {
     shaped: Vec<Vec<c64>>,
     turned: Vec<TurnedPath>,
-    edited: Vec<Vec<c64>>,
     bodies: Vec<Body>,
 }
 
@@ -119,11 +118,10 @@ impl Canvas {
     /// Makes room for these paths.
     fn fit(&mut self, rests: &[Arc<RestPath>]) {
         self.shaped.resize_with(rests.len(), Vec::new);
-        self.edited.resize_with(rests.len(), Vec::new);
         self.turned.resize_with(rests.len(), TurnedPath::default);
         self.bodies.resize_with(rests.len(), Body::default);
         for (path, rest) in rests.iter().enumerate() {
-            for points in [&mut self.shaped[path], &mut self.edited[path], &mut self.turned[path].points] {
+            for points in [&mut self.shaped[path], &mut self.turned[path].points] {
                 points.resize(rest.len(), c64::default());
             }
         }
@@ -132,7 +130,6 @@ impl Canvas {
     fn swap_with(&mut self, group: &mut SpatialComponent) {
         std::mem::swap(&mut self.shaped, &mut group.shaped);
         std::mem::swap(&mut self.turned, &mut group.turned);
-        std::mem::swap(&mut self.edited, &mut group.edited);
         std::mem::swap(&mut self.bodies, &mut group.bodies);
     }
 }

@@ -25,6 +25,7 @@ use crate::constraint::{Constraint, Instant, Target};
 use crate::discrete::candidates::Candidate;
 use crate::discrete::choose::worth;
 use crate::discrete::tracks::{copies, turns};
+use crate::discrete::weighing::Timings;
 use crate::edit::{EditError, Editor};
 use crate::index::{CharacterId, ConstraintId};
 use crate::scene::Scene;
@@ -206,6 +207,7 @@ impl DiscreteEditor {
             original: scene.clone(),
             proposals: (0..scene.characters.len()).map(closed).collect(),
             responses: scene.characters.iter().map(|_| OnceLock::new()).collect(),
+            timings: Timings::default(),
             editor: Editor::of(scene, self.settings.backend)?,
             graph: Arc::clone(&self.graph),
             clips: self.clips.clone(),

@@ -92,6 +92,7 @@ impl Editor {
             following,
             hands,
             regrouped: 0,
+            timed: 0,
             settings: self.settings,
             backend: self.backend,
         };

@@ -44,10 +44,15 @@ impl SpatialComponent {
     /// Turns the rest paths as the last shape says.
     pub(super) fn turn_paths(&mut self) {
         let (rests, segments, chords, released) = (&self.rests, &self.segments, &self.chords, &self.released);
+        let lengths_only = self.lengths_only;
         let turn = |path: usize, shaped: &mut Vec<c64>, turned: &mut TurnedPath| {
             let kept = |(run, _): &(usize, _)| released.binary_search(&(path, *run)).is_err();
             let runs = rests[path].rigid.iter().zip(chords[path].iter()).enumerate().filter(kept);
-            turned.follow(&segments[path], shaped, runs.map(|(_, run)| run));
+            let runs = runs.map(|(_, run)| run);
+            match lengths_only {
+                true => turned.follow_points(&segments[path], shaped, runs),
+                false => turned.follow(&segments[path], shaped, runs),
+            }
         };
         for_each_path(rests, &mut self.shaped, &mut self.turned, turn);
     }
