@@ -53,9 +53,13 @@ impl RestPath {
 
     /// Whether two points of this path are one, to rounding.
     pub fn coincide(&self, a: usize, b: usize) -> bool {
-        let (p, q) = (self.positions[a], self.positions[b]);
+        self.distance(a, b) <= COINCIDENT * (1.0 + self.positions[a].norm_sqr().sqrt())
+    }
+
+    /// Metres from one point to another.
+    fn distance(&self, a: usize, b: usize) -> f64 {
         // Roots of sums: coordinates are metres, and the library's hypot takes several times as long.
-        (p - q).norm_sqr().sqrt() <= COINCIDENT * (1.0 + p.norm_sqr().sqrt())
+        (self.positions[a] - self.positions[b]).norm_sqr().sqrt()
     }
 
     /// Its segments. Cost: linear in frames.
@@ -65,8 +69,12 @@ impl RestPath {
             |i: usize| if self.coincide(i, i + 1) { zero } else { self.positions[i + 1] - self.positions[i] };
         let steps: Vec<c64> = (0..self.len().saturating_sub(1)).map(step).collect();
         let inverses = steps.iter().map(|step| if *step == zero { zero } else { step.inv() }).collect();
-        let lengths = self.positions.windows(2).map(|pair| (pair[1] - pair[0]).norm_sqr().sqrt()).collect();
-        RestSegments { steps, inverses, lengths }
+        let length = |frame: usize| frame.checked_sub(1).map_or(0.0, |before| self.distance(before, frame));
+        let along = (0..self.len()).scan(0.0, |sum, frame| {
+            *sum += length(frame);
+            Some(*sum)
+        });
+        RestSegments { steps, inverses, along: along.collect() }
     }
 }
 
@@ -77,8 +85,8 @@ pub struct RestSegments {
     pub steps: Vec<c64>,
     /// `1/v_i`; 0 where both points are one.
     pub inverses: Vec<c64>,
-    /// `|q_{i+1} − q_i|`, metres, whatever is one.
-    pub lengths: Vec<f64>,
+    /// Length of the path up to each frame, metres.
+    pub along: Vec<f64>,
 }
 
 /// The two frames whose line shows the value at the fractional frame `frame` of `count`, and the share of the second.

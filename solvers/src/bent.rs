@@ -6,7 +6,7 @@ use crate::error::{KktError, SolveReport};
 use crate::lu::LuScratch;
 use crate::refine::relative_to;
 use crate::scalar::TwoPart;
-use crate::springs::{Load, State};
+use crate::springs::{Drawing, Load, State};
 
 /// How good a solution is to be: by how much the next correction is expected to move points, relative to the farthest, and by
 /// how much rows are missed, relative to the largest target.
@@ -279,7 +279,7 @@ impl Bent {
         let path = problem.first_pieces.partition_point(|first| *first <= piece) - 1;
         let (rest, centre) = (&*problem.paths[path], problem.loads[piece].centre());
         let (mut sum, mut turned) = (c64::default(), c64::default());
-        self.expand_piece(problem, (path, piece), &mut |j, point, _| {
+        self.draw_piece(problem, (path, piece), &mut |j: usize, point: c64, _: c64| {
             sum += point;
             turned += (rest.point(j) - centre).conj() * point;
         });
@@ -289,16 +289,21 @@ impl Bent {
     /// Calls `visit` with every point j of a path, in order: j, `x_j`, and the factor `ζ_j` of the segment after it (at the
     /// last point, of the one before). Cost: linear in points.
     pub fn expand(&self, problem: &Compliance, path: usize, mut visit: impl FnMut(usize, c64, c64)) {
+        self.draw(problem, path, &mut visit);
+    }
+
+    /// Draws all points of a path. Cost: linear in points.
+    pub fn draw(&self, problem: &Compliance, path: usize, drawing: &mut impl Drawing) {
         for piece in problem.first_pieces[path]..problem.first_pieces[path + 1] {
-            self.expand_piece(problem, (path, piece), &mut visit);
+            self.draw_piece(problem, (path, piece), drawing);
         }
     }
 
-    fn expand_piece(
+    fn draw_piece(
         &self,
         problem: &Compliance,
         (path, piece): (usize, usize),
-        visit: &mut impl FnMut(usize, c64, c64),
+        drawing: &mut impl Drawing,
     ) {
         let (known, rest) = (&problem.loads[piece], &problem.paths[path]);
         let range = self.starts[piece]..self.starts[piece + 1];
@@ -307,11 +312,11 @@ impl Bent {
             known.nodes.iter().zip(&self.loads[range.clone()]).zip(&self.states[range])
         {
             if from >= known.own.start {
-                rest.bend(from..*node, state, *load, visit);
+                rest.bend(from..*node, state, *load, drawing);
             }
             (from, state) = (*node, *at_node);
         }
-        rest.bend(from..known.own.end, state, Load::default(), visit);
+        rest.bend(from..known.own.end, state, Load::default(), drawing);
     }
 
     /// `½ Σ |δ_s|²/c_s`.

@@ -57,7 +57,7 @@ pub use rank::{Dependency, RankReport, analyse_rank};
 pub use scalar::{Scalar, TwoPart};
 pub use sparse::{RowMatrix, multiply};
 pub use splice::{MomentTree, Part, SplicedPath};
-pub use springs::{Moments, SpringPath};
+pub use springs::{Drawing, Moments, SpringPath};
 pub use sprs::CsMat;
 pub use update::{Change, PathResponse, StepResponse};
 

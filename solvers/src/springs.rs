@@ -141,6 +141,26 @@ impl State {
     }
 }
 
+/// What becomes of the points of a bent path, which are given in order. Closures are given every point by itself.
+pub trait Drawing {
+    /// Point `j`: `x_j`, and the factor `ζ_j` of the segment after it; at the last point, of the one before.
+    fn point(&mut self, j: usize, x: c64, factor: c64);
+
+    /// Points in `range`, the springs at which do not bend: all of them have one factor. `start`: `x` at the first, and that factor.
+    fn stiff(&mut self, range: Range<usize>, start: (c64, c64), rest: &SpringPath) {
+        let ((x, factor), first) = (start, rest.point(range.start));
+        for j in range {
+            self.point(j, x + factor * (rest.point(j) - first), factor);
+        }
+    }
+}
+
+impl<F: FnMut(usize, c64, c64)> Drawing for F {
+    fn point(&mut self, j: usize, x: c64, factor: c64) {
+        self(j, x, factor);
+    }
+}
+
 /// A chain of springs at rest.
 #[derive(Clone, Debug, PartialEq)]
 pub enum SpringPath {
@@ -244,42 +264,52 @@ impl SpringPath {
         }
     }
 
-    /// Calls `visit` with the points `range` of the bent path: j, `x_j`, `ζ_j`. `state`: at the first of them. `load`: of all
-    /// points from the end of the range on; points in between carry none.
-    pub(crate) fn bend(
-        &self,
-        range: Range<usize>,
-        state: State,
-        load: Load,
-        visit: &mut impl FnMut(usize, c64, c64),
-    ) {
+    /// Draws the points `range` of the bent path. `state`: at the first of them. `load`: of all points from the end of the range
+    /// on; points in between carry none.
+    pub(crate) fn bend(&self, range: Range<usize>, state: State, load: Load, drawing: &mut impl Drawing) {
         let State { mut point, mut factor } = state;
         let Load { force, moment } = load;
         match self {
             Self::Listed { points, compliances } => {
                 let last = range.end.min(points.len() - 1);
-                let (tip, springs) = (points[last], range.start..last);
-                let pairs = points[range.start..=last].windows(2);
-                for ((s, pair), compliance) in springs.clone().zip(pairs).zip(&compliances[springs]) {
-                    if *compliance != 0.0 {
-                        factor += compliance * (force * (tip - pair[0]).conj() + moment);
+                let tip = points[last];
+                let mut start = range.start;
+                while start < last {
+                    let is_stiff = compliances[start] == 0.0;
+                    let alike = compliances[start..last].iter().take_while(|c| (**c == 0.0) == is_stiff);
+                    let end = start + alike.count();
+                    if is_stiff {
+                        drawing.stiff(start..end, (point, factor), self);
+                        point += factor * (points[end] - points[start]);
+                    } else {
+                        let pairs = points[start..=end].windows(2).zip(&compliances[start..end]);
+                        for (s, (pair, compliance)) in (start..end).zip(pairs) {
+                            factor += compliance * (force * (tip - pair[0]).conj() + moment);
+                            drawing.point(s, point, factor);
+                            point += factor * (pair[1] - pair[0]);
+                        }
                     }
-                    visit(s, point, factor);
-                    point += factor * (pair[1] - pair[0]);
+                    start = end;
                 }
                 if range.end > last {
-                    visit(last, point, factor);
+                    drawing.point(last, point, factor);
                 }
             }
             Self::Even { .. } => {
                 let end = range.end;
                 self.visit_stretches(range, |springs, compliance| {
+                    if compliance == 0.0 {
+                        let count = springs.len() as f64;
+                        drawing.stiff(springs, (point, factor), self);
+                        point += factor * count;
+                        return;
+                    }
                     let change = compliance * force;
                     let mut increment = change * (end - springs.start) as f64 + compliance * moment;
                     for s in springs {
                         factor += increment;
                         increment -= change;
-                        visit(s, point, factor);
+                        drawing.point(s, point, factor);
                         point += factor;
                     }
                 });

@@ -3,7 +3,7 @@
 //! Unknown are deviations from a reference path that satisfies all interior rows, so that only held rows have targets: what
 //! they miss on the reference.
 
-use cotillion_solvers::{Dependency, Effort, KktError, PathResponse, PointRow, RowMatrix, analyse_rank};
+use cotillion_solvers::{Dependency, Drawing, Effort, KktError, PathResponse, PointRow, RowMatrix, analyse_rank};
 
 use crate::edit::bound_rows::BoundRows;
 use crate::edit::columns::{Columns, Freedom};
@@ -182,6 +182,12 @@ impl PhaseSolver {
             (_, Some(direct)) => direct.visit(path, visit),
             _ => {}
         }
+    }
+
+    /// Draws a path of deviations as springs give it; `false` where another system answered.
+    pub fn draw(&self, path: usize, drawing: &mut impl Drawing) -> bool {
+        let reduced = self.reduced.as_ref().filter(|_| self.answer == Backend::Reduced);
+        reduced.map(|reduced| reduced.draw(path, drawing)).is_some()
     }
 
     /// Energies of the interior rows and of the soft held rows.

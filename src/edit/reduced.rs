@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use cotillion_solvers::{
-    Bent, Compliance, ComplianceAnalysis, ComplianceFactor, Effort, KktError, PathResponse, PointRow,
+    Bent, Compliance, ComplianceAnalysis, ComplianceFactor, Drawing, Effort, KktError, PathResponse, PointRow,
     SpringPath,
 };
 use rayon::prelude::*;
@@ -87,6 +87,13 @@ impl ReducedPhase {
     pub fn visit(&self, path: usize, mut visit: impl FnMut(usize, c64)) {
         if let Some((_, bent)) = &self.factor {
             bent.expand(&self.problem, path, |frame, x, _| visit(frame, x));
+        }
+    }
+
+    /// Draws a path of deviations.
+    pub fn draw(&self, path: usize, drawing: &mut impl Drawing) {
+        if let Some((_, bent)) = &self.factor {
+            bent.draw(&self.problem, path, drawing);
         }
     }
 

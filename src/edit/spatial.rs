@@ -272,7 +272,9 @@ impl SpatialComponent {
         if self.energy.shape + self.energy.shape_soft > most {
             return Ok(Attempt::Ended(Solved::TooMuch));
         }
-        self.turn_paths();
+        if !self.lengths_only {
+            self.turn_paths();
+        }
         if self.lacks_scale {
             return Ok(Attempt::Ended(Solved::LacksScale));
         }
@@ -298,6 +300,10 @@ impl SpatialComponent {
         (self.energy.shape, self.energy.shape_soft) = self.shape.energies();
         if self.energy.shape + self.energy.shape_soft > most {
             return Ok(Some(Attempt::Ended(Solved::TooMuch)));
+        }
+        if self.lengths_only {
+            self.shape_and_turn();
+            return Ok(None);
         }
         let shape = &self.shape;
         let bend = |path: usize, shaped: &mut Vec<c64>, _: &mut TurnedPath| {
@@ -325,7 +331,7 @@ impl SpatialComponent {
             return Ok(Some(Attempt::Ended(Solved::TooMuchInAll)));
         }
         if self.lengths_only {
-            self.find_lengths();
+            self.find_lengths(&translations);
             return Ok(None);
         }
         hold_facings(held, rotations, &mut self.bodies);

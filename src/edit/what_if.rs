@@ -32,6 +32,8 @@ pub struct GroupResponse {
 struct Canvas {
     shaped: Vec<Vec<c64>>,
     turned: Vec<TurnedPath>,
+    /// Of paths that springs do not tell.
+    edited: Vec<Vec<c64>>,
     bodies: Vec<Body>,
 }
 
@@ -119,6 +121,7 @@ impl Canvas {
     fn fit(&mut self, rests: &[Arc<RestPath>]) {
         self.shaped.resize_with(rests.len(), Vec::new);
         self.turned.resize_with(rests.len(), TurnedPath::default);
+        self.edited.resize_with(rests.len(), Vec::new);
         self.bodies.resize_with(rests.len(), Body::default);
         for (path, rest) in rests.iter().enumerate() {
             for points in [&mut self.shaped[path], &mut self.turned[path].points] {
@@ -130,6 +133,7 @@ impl Canvas {
     fn swap_with(&mut self, group: &mut SpatialComponent) {
         std::mem::swap(&mut self.shaped, &mut group.shaped);
         std::mem::swap(&mut self.turned, &mut group.turned);
+        std::mem::swap(&mut self.edited, &mut group.edited);
         std::mem::swap(&mut self.bodies, &mut group.bodies);
     }
 }

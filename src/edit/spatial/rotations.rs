@@ -1,12 +1,16 @@
 //! How the places of held rows turn from the rest paths to the shaped ones.
 
+use std::sync::Arc;
+
 use super::{SpatialComponent, SpatialError, unique};
 use crate::edit::bodies::{first_disagreement, spread_still_rotations};
 use crate::edit::clash::Miss;
+use crate::edit::direction::Direction;
 use crate::edit::hold::{Hold, Rotations};
 use crate::edit::parallel::for_each_path;
 use crate::edit::turned::TurnedPath;
 use crate::geometry::{c64, cis};
+use crate::path::RestPath;
 
 impl SpatialComponent {
     /// Rotations before the shape phase, which only bodies without direction use: what a facing of their own says.
@@ -44,15 +48,8 @@ impl SpatialComponent {
     /// Turns the rest paths as the last shape says.
     pub(super) fn turn_paths(&mut self) {
         let (rests, segments, chords, released) = (&self.rests, &self.segments, &self.chords, &self.released);
-        let lengths_only = self.lengths_only;
         let turn = |path: usize, shaped: &mut Vec<c64>, turned: &mut TurnedPath| {
-            let kept = |(run, _): &(usize, _)| released.binary_search(&(path, *run)).is_err();
-            let runs = rests[path].rigid.iter().zip(chords[path].iter()).enumerate().filter(kept);
-            let runs = runs.map(|(_, run)| run);
-            match lengths_only {
-                true => turned.follow_points(&segments[path], shaped, runs),
-                false => turned.follow(&segments[path], shaped, runs),
-            }
+            turned.follow(&segments[path], shaped, kept_runs((rests, chords), released, path));
         };
         for_each_path(rests, &mut self.shaped, &mut self.turned, turn);
     }
@@ -105,4 +102,14 @@ impl SpatialComponent {
         }
         changed
     }
+}
+
+/// Stationary stretches of a path that keep their shape, and their longest chords.
+pub(super) fn kept_runs<'a>(
+    (rests, chords): (&'a [Arc<RestPath>], &'a [Arc<Vec<Direction>>]),
+    released: &'a [(usize, usize)],
+    path: usize,
+) -> impl Iterator<Item = (&'a (usize, usize), &'a Direction)> {
+    let kept = move |(run, _): &(usize, _)| released.binary_search(&(path, *run)).is_err();
+    rests[path].rigid.iter().zip(chords[path].iter()).enumerate().filter(kept).map(|(_, run)| run)
 }
