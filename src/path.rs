@@ -153,7 +153,8 @@ impl SegmentFactors {
             let first = end + gap;
             end = (first..count).find(|i| rotations[*i] != c64::default()).unwrap_or(count);
             let one = c64::new(1.0, 0.0);
-            let (mut rotation, turn) = match (first.checked_sub(1).map(|i| rotations[i]), rotations.get(end)) {
+            let (mut rotation, turn) = match (first.checked_sub(1).map(|i| rotations[i]), rotations.get(end))
+            {
                 (Some(before), Some(after)) => {
                     (before, cis((after * before.conj()).arg() / (end - first + 1) as f64))
                 }

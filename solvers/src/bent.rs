@@ -299,12 +299,7 @@ impl Bent {
         }
     }
 
-    fn draw_piece(
-        &self,
-        problem: &Compliance,
-        (path, piece): (usize, usize),
-        drawing: &mut impl Drawing,
-    ) {
+    fn draw_piece(&self, problem: &Compliance, (path, piece): (usize, usize), drawing: &mut impl Drawing) {
         let (known, rest) = (&problem.loads[piece], &problem.paths[path]);
         let range = self.starts[piece]..self.starts[piece + 1];
         let (mut from, mut state) = (known.first_known(), self.origins[piece]);

@@ -275,21 +275,23 @@ impl SpringPath {
                 let tip = points[last];
                 let mut start = range.start;
                 while start < last {
-                    let is_stiff = compliances[start] == 0.0;
-                    let alike = compliances[start..last].iter().take_while(|c| (**c == 0.0) == is_stiff);
-                    let end = start + alike.count();
-                    if is_stiff {
-                        drawing.stiff(start..end, (point, factor), self);
-                        point += factor * (points[end] - points[start]);
-                    } else {
-                        let pairs = points[start..=end].windows(2).zip(&compliances[start..end]);
-                        for (s, (pair, compliance)) in (start..end).zip(pairs) {
-                            factor += compliance * (force * (tip - pair[0]).conj() + moment);
-                            drawing.point(s, point, factor);
-                            point += factor * (pair[1] - pair[0]);
-                        }
+                    let rest = &compliances[start..last];
+                    let stiff = rest.iter().position(|c| *c != 0.0).unwrap_or(rest.len());
+                    if stiff > 0 {
+                        drawing.stiff(start..start + stiff, (point, factor), self);
+                        point += factor * (points[start + stiff] - points[start]);
+                        start += stiff;
                     }
-                    start = end;
+                    let pairs = points[start..=last].windows(2);
+                    for (pair, compliance) in pairs.zip(&compliances[start..last]) {
+                        if *compliance == 0.0 {
+                            break;
+                        }
+                        factor += compliance * (force * (tip - pair[0]).conj() + moment);
+                        drawing.point(start, point, factor);
+                        point += factor * (pair[1] - pair[0]);
+                        start += 1;
+                    }
                 }
                 if range.end > last {
                     drawing.point(last, point, factor);

@@ -263,7 +263,7 @@ impl Editor {
     /// up; then [`Editor::edit`] is still the result of the last solve that succeeded.
     pub fn solve(&mut self) -> Result<&Edit, EditError> {
         let scene = &self.scene;
-        self.timed += u64::from(!self.following.is_empty() || self.temporal.iter().any(|group| group.stale));
+        self.timed += u64::from(self.temporal.iter().any(|group| group.stale));
         for_each_stale(&mut self.temporal, |group| solve_times(scene, group))?;
         if self.scene.carries.is_empty() && self.following.is_empty() {
             self.solve_space()?;

@@ -3,7 +3,9 @@
 //! Unknown are deviations from a reference path that satisfies all interior rows, so that only held rows have targets: what
 //! they miss on the reference.
 
-use cotillion_solvers::{Dependency, Drawing, Effort, KktError, PathResponse, PointRow, RowMatrix, analyse_rank};
+use cotillion_solvers::{
+    Dependency, Drawing, Effort, KktError, PathResponse, PointRow, RowMatrix, analyse_rank,
+};
 
 use crate::edit::bound_rows::BoundRows;
 use crate::edit::columns::{Columns, Freedom};

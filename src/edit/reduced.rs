@@ -3,8 +3,8 @@
 use std::sync::Arc;
 
 use cotillion_solvers::{
-    Bent, Compliance, ComplianceAnalysis, ComplianceFactor, Drawing, Effort, KktError, PathResponse, PointRow,
-    SpringPath,
+    Bent, Compliance, ComplianceAnalysis, ComplianceFactor, Drawing, Effort, KktError, PathResponse,
+    PointRow, SpringPath,
 };
 use rayon::prelude::*;
 

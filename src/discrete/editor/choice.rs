@@ -12,7 +12,12 @@ impl DiscreteEditor {
         let tracks = self.editor.scene().characters.iter().map(|character| &character.track);
         let turned = tracks.zip(&self.rest_angles).map(|(track, angles)| turns(track, angles)).collect();
         let candidates = self.known().len();
-        Weighing::new((&self.editor, &self.responses, &self.timings), turned, self.settings.turn_weight, candidates)
+        Weighing::new(
+            (&self.editor, &self.responses, &self.timings),
+            turned,
+            self.settings.turn_weight,
+            candidates,
+        )
     }
 
     /// The candidate to take, if one is worth it.

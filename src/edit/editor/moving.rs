@@ -61,7 +61,9 @@ impl Editor {
 
     /// The same of carries that do not overlap, with rows relative to objects.
     pub(super) fn solve_tied(&mut self, timed: &[bool]) -> Result<(), EditError> {
-        self.coupled = self.coupled_rows();
+        let coupled = self.coupled_rows();
+        self.timed += u64::from(coupled != self.coupled);
+        self.coupled = coupled;
         self.ties.entangle(&self.following, &self.coupled);
         let (sets, entangled) = (&self.ties.sets, &self.ties.entangled);
         let mut active = timed.to_vec();
@@ -238,6 +240,7 @@ impl Editor {
                 continue;
             }
             *hold = *new;
+            self.timed += 1;
             let (group, place) = self.held[row.row];
             let Group { component, stale, .. } = &mut self.spatial[group];
             *stale = true;
@@ -259,6 +262,7 @@ impl Editor {
         (self.spatial, self.held) = spatial_groups(&rests, &held, self.settings, self.backend);
         self.ties.regroup(&self.spatial, &self.held, &self.following);
         self.regrouped += 1;
+        self.timed += 1;
     }
 }
 
