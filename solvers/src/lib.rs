@@ -59,7 +59,8 @@ pub use sparse::{RowMatrix, multiply};
 pub use splice::{MomentTree, Part, SplicedPath};
 pub use springs::{Drawing, Moments, SpringPath};
 pub use sprs::CsMat;
-pub use update::{Change, PathResponse, StepResponse};
+pub use step_response::{Restepped, StepResponse};
+pub use update::{Change, PathResponse};
 
 mod augmented;
 mod bent;
@@ -89,6 +90,7 @@ mod scalar;
 mod sparse;
 mod splice;
 mod springs;
+mod step_response;
 mod stretch;
 mod update;
 pub mod workload;

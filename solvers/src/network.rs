@@ -204,6 +204,15 @@ impl Network {
         (self.knots.starts.partition_point(|start| *start <= unknown) - 1, self.knots.points[unknown])
     }
 
+    /// Points of a track that are unknowns, rising, and the unknown of the first.
+    ///
+    /// # Panics
+    /// If there is no such track.
+    pub fn knots(&self, track: usize) -> (usize, &[usize]) {
+        let first = self.knots.starts[track];
+        (first, &self.knots.points[first..self.knots.starts[track + 1]])
+    }
+
     /// How much longer than at rest the steps of a piece are.
     pub fn lengthening(&self, piece: &Piece, x: &[f64]) -> f64 {
         (x[piece.from + 1] - x[piece.from]) / piece.steps as f64

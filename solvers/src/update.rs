@@ -1,4 +1,4 @@
-//! What-ifs: the energy if one path, or one stretch of one track, were another, without solving again.
+//! What-ifs: the energy if one path were another, without solving again.
 //!
 //! A spliced path changes the entries of its own rows and of its similarity, nothing else. With `G` the inverse of the
 //! factored matrix on these few unknowns, `Δ` the change of its entries and `δ` that of its targets, the small update of
@@ -11,8 +11,6 @@
 //! u: the present solution on the same unknowns. A candidate costs by the cube of the rows of its path and the logarithm of
 //! its points, whatever the size of the rest: microseconds for the usual handful of rows, a fifth of a millisecond for forty. The other paths may be as free as they like: `G` exists wherever the whole is regular.
 //!
-//! A stretch of a track is a spring of its own in a network: what the rest does to it is one number, the [`StepResponse`].
-//!
 //! Source: Hager, *Updating the inverse of a matrix*, SIAM Review 31 (1989).
 
 use std::sync::Arc;
@@ -24,8 +22,6 @@ use crate::c64;
 use crate::compliance::{Compliance, ComplianceFactor};
 use crate::error::KktError;
 use crate::exchange::{Basis, Difference, Exchange, Parts};
-use crate::kkt::{Factor, Workspace};
-use crate::network::Network;
 use crate::path_loads::PathLoads;
 use crate::splice::SplicedPath;
 
@@ -260,53 +256,5 @@ impl PathResponse {
             delta[place] = (target - targets[*row]) * problem.scales[*row];
         }
         delta
-    }
-}
-
-/// How a network answers to a change of the number of steps of one piece.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct StepResponse {
-    piece: usize,
-    /// Share of a stretch put into the piece that stays there; 1 where the rest gives way altogether.
-    share: f64,
-}
-
-impl StepResponse {
-    /// Response of `network.pieces[piece]`. Cost: one solve.
-    ///
-    /// # Errors
-    /// Those of a solve.
-    pub fn new(
-        network: &Network,
-        factor: &Factor<f64>,
-        piece: usize,
-        workspace: &mut Workspace<f64>,
-    ) -> Result<Self, KktError> {
-        let (mut m, h) = network.targets();
-        m[piece] = 1.0;
-        let mut x = vec![0.0; network.problem.columns];
-        factor.solve_into(&m, &h, &mut x, workspace)?;
-        let own = &network.pieces[piece];
-        let compliance = own.steps as f64 / own.weight;
-        let share = (x[own.from + 1] - x[own.from]) / compliance.sqrt();
-        Ok(Self { piece, share: share.clamp(0.0, 1.0) })
-    }
-
-    /// Energy of springs and soft rows if the piece had `steps` steps, at least 1, in place of its own; all times that rows
-    /// hold stay. `x`: delays of the present solution, `energy`: its energy. Exact while no bound on steps is reached.
-    pub fn energy(&self, network: &Network, (x, energy): (&[f64], f64), steps: usize) -> f64 {
-        let piece = &network.pieces[self.piece];
-        let rest = 1.0 - self.share;
-        // Where the rest gives way, the piece has the length it likes.
-        if rest < 1e-12 {
-            return energy;
-        }
-        let (present, changed) = (piece.steps as f64 / piece.weight, steps as f64 / piece.weight);
-        let stretch = (x[piece.from + 1] - x[piece.from]) / rest;
-        let wanted = stretch + (piece.steps as f64 - steps as f64) * network.step;
-        let worth = |stretch: f64, compliance: f64| {
-            0.5 * rest * stretch * stretch / (compliance * rest + present * self.share)
-        };
-        energy - worth(stretch, present) + worth(wanted, changed)
     }
 }

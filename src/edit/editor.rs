@@ -6,6 +6,7 @@ mod moving;
 mod objects;
 mod sampled;
 mod share;
+mod timing;
 mod told;
 mod variant;
 
@@ -36,7 +37,8 @@ use crate::clip::working::WORKING_STEP;
 use objects::ObjectTies;
 use told::{named, space_error, step_bounds, time_error};
 
-pub use variant::{Exchange, Timing, Variant, WhatIf};
+pub use timing::Timing;
+pub use variant::{Exchange, Variant, WhatIf};
 
 /// Default bounds on time steps in production mode, as multiples of the rest step.
 const DEFAULT_BOUNDS: StepBounds = StepBounds { min: 0.5, max: 2.0 };

@@ -4,9 +4,13 @@
 //! with. Where the answer breaks a bound on steps, a dual active set goes on from there (steps between constrained frames
 //! are even at the optimum, with bounds as without). Source: Kim et al. 2009, §4.3; bounds: Goldfarb & Idnani 1983.
 
+mod retimed;
+
+use std::sync::OnceLock;
+
 use cotillion_solvers::{
     BoundMethod, BoundsError, Difference, DifferenceError, Factor, KktError, KktForm, Knots, Network,
-    NetworkEnergy, PointRow, StepRange, Track, Workspace, analyse, node_bounds, solve_bounded,
+    NetworkEnergy, PointRow, StepRange, StepResponse, Track, Workspace, analyse, node_bounds, solve_bounded,
 };
 
 use crate::clip::working::WORKING_STEP;
@@ -77,6 +81,8 @@ pub struct TemporalComponent {
     hard_targets: Vec<f64>,
     /// Delays of the network's knots.
     x: Vec<f64>,
+    /// How it answers to other numbers of steps of each piece, once asked for.
+    responses: Vec<OnceLock<Option<StepResponse>>>,
 }
 
 impl TemporalComponent {
@@ -123,6 +129,7 @@ impl TemporalComponent {
             soft_targets,
             hard_targets,
             x: vec![0.0; network.problem.columns],
+            responses: network.pieces.iter().map(|_| OnceLock::new()).collect(),
             counts,
             rows,
             settings,

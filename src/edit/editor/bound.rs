@@ -1,7 +1,8 @@
 //! What is known of the energy with another track before anything is solved in space.
 
 use super::Editor;
-use super::variant::{Space, Timing, Variant, place_of};
+use super::timing::Timing;
+use super::variant::{Space, Variant, place_of};
 use crate::clip::working::WORKING_STEP;
 use crate::edit::bound_rows::weight_of;
 use crate::edit::energy::{Energy, least_length_cost};

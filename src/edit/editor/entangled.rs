@@ -1,7 +1,8 @@
 //! What the energy would be if one character performed another track, where objects tie paths to each other: all whom that
 //! concerns are solved as by [`Editor::solve`], all others stay as they are.
 
-use super::variant::{Timing, Variant};
+use super::timing::Timing;
+use super::variant::Variant;
 use super::{Edit, EditError, Editor, extent};
 use crate::constraint::ConstraintKind;
 use crate::edit::carrying::HandsAtRest;

@@ -205,7 +205,7 @@ impl ObjectsThen {
 }
 
 impl Editor {
-    /// Where rows relative to objects lie if `variant` is shown at `times`, those of the characters of temporal component
+    /// Where rows relative to objects lie if `variant` is shown when `times` says, of the characters of temporal component
     /// `index`. Cost: linear in the rows and carries that concern them.
     ///
     /// # Errors
@@ -213,7 +213,7 @@ impl Editor {
     pub(super) fn objects_then(
         &self,
         variant: &Variant,
-        (index, characters, times): (usize, &[usize], &[Vec<f64>]),
+        (index, characters, times): (usize, &[usize], &Times<'_>),
     ) -> Result<ObjectsThen, EditError> {
         if self.ties.is_empty() {
             return Ok(ObjectsThen::default());
@@ -289,13 +289,16 @@ struct Clock<'a> {
     variant: &'a Variant,
     /// Whose times these are, rising.
     characters: &'a [usize],
-    times: &'a [Vec<f64>],
+    times: &'a Times<'a>,
 }
+
+/// Seconds at which a frame is shown, which may lie between two: place of the character, frame.
+pub(super) type Times<'a> = dyn Fn(usize, f64) -> f64 + 'a;
 
 impl Clock<'_> {
     fn time(&self, who: usize, frame: f64) -> f64 {
         match self.characters.binary_search(&who) {
-            Ok(place) => time_of(&self.times[place], frame),
+            Ok(place) => (self.times)(place, frame),
             Err(_) => time_of(&self.editor.edit.characters[who].times, frame),
         }
     }

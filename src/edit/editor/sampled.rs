@@ -10,7 +10,8 @@ use cotillion_solvers::SpringPath;
 
 use super::Editor;
 use super::objects::ObjectsThen;
-use super::variant::{Timing, Variant, place_of, space_of};
+use super::timing::Timing;
+use super::variant::{Variant, place_of, space_of};
 use crate::edit::EditError;
 use crate::edit::columns::Freedom;
 use crate::edit::energy::Energy;

@@ -12,18 +12,19 @@ use crate::edit::expand::{Expansion, Following, expand_some};
 use crate::edit::groups::Group;
 use crate::edit::hold::Prepared;
 use crate::edit::own_path::OwnPath;
-use crate::edit::retarget::{retarget, seconds_of};
+use crate::edit::retarget::retarget;
 use crate::edit::spatial::{Solved, SpatialComponent};
-use crate::edit::temporal::{TemporalComponent, TemporalSettings};
+use crate::edit::temporal::TemporalComponent;
 use crate::edit::time_row::TimeRow;
 use crate::edit::what_if::{GroupResponse, complete, exchanged, on_canvas, response, set_effort};
 use crate::index::{CharacterId, ConstraintId};
 use crate::path::RestPath;
 use crate::scene::Scene;
 
+use super::Editor;
 use super::objects::ObjectsThen;
+use super::timing::Timing;
 use super::told::space_error;
-use super::{Editor, solve_times};
 
 /// Rows that lie elsewhere by no more than this, metres or radians, do so by the rounding of times.
 const NOWHERE_ELSE: f64 = 1e-13;
@@ -38,7 +39,7 @@ pub struct Variant {
     /// Spatial rows of all constraints that name the character, in their order; paths are numbered as characters.
     pub(super) held: Vec<Prepared>,
     /// Temporal rows of these, likewise.
-    times: Vec<TimeRow>,
+    pub(super) times: Vec<TimeRow>,
     /// These constraints, rising.
     constraints: Vec<ConstraintId>,
     /// First frame of each run after a seam.
@@ -47,21 +48,6 @@ pub struct Variant {
     pub(super) following: Vec<Following>,
     /// Carry, which end, frame of the track: where carries begin and end.
     pub(super) carries: Vec<(usize, usize, f64)>,
-}
-
-/// Times of the tracks that are tied to a variant.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Timing {
-    /// Component.
-    pub(super) group: usize,
-    /// Its energy, s².
-    energy: f64,
-    /// Seconds from first to last frame of each of its tracks.
-    seconds: Vec<f64>,
-    /// Where objects are then.
-    pub(super) objects: ObjectsThen,
-    /// The times themselves, where only solving all tells more.
-    pub(super) times: Vec<Vec<f64>>,
 }
 
 /// A group in which somebody performs another track.
@@ -132,47 +118,6 @@ impl Editor {
     pub fn response(&self, character: CharacterId) -> Option<GroupResponse> {
         let (group, place) = place_of(&self.spatial, character.as_usize())?;
         response(&self.spatial[group].component, place)
-    }
-
-    /// Times of a variant for the present targets.
-    ///
-    /// # Errors
-    /// Those of [`Editor::solve`].
-    pub fn timing(&self, variant: &Variant) -> Result<Timing, EditError> {
-        self.timing_by(variant, |_, counts, rows, settings| TemporalComponent::new(counts, rows, settings))
-    }
-
-    /// The same by the system that `build` makes of characters, their numbers of frames, rows, and settings.
-    pub(super) fn timing_by(
-        &self,
-        variant: &Variant,
-        build: impl FnOnce(&[usize], Vec<usize>, Vec<TimeRow>, TemporalSettings) -> TemporalComponent,
-    ) -> Result<Timing, EditError> {
-        let (index, place) = place_of(&self.temporal, variant.character).unwrap_or_default();
-        let Group { component, characters, frames, .. } = &self.temporal[index];
-        let mut counts = component.counts.clone();
-        counts[place] = variant.own.rest.len();
-        let number = |track: usize| characters.binary_search(&track).unwrap_or_default();
-        let mut rows = variant.times.clone();
-        for row in &mut rows {
-            row.seconds =
-                seconds_of(&self.scene.constraints[row.constraint.as_usize()].kind).unwrap_or(row.seconds);
-            row.at.track = number(row.at.track);
-            if let Some(minus) = &mut row.minus {
-                minus.track = number(minus.track);
-            }
-        }
-        rows.extend(component.rows.iter().filter(|row| !variant.binds(row.constraint)));
-        rows.sort_by_key(|row| row.constraint);
-        let component = build(characters, counts, rows, component.settings());
-        let characters = characters.clone();
-        let mut group = Group { characters, component, frames: *frames, stale: true };
-        solve_times(&self.scene, &mut group)?;
-        let TemporalComponent { times, energy, .. } = &group.component;
-        let objects = self.objects_then(variant, (index, &group.characters, times))?;
-        let seconds = times.iter().map(|times| times[times.len() - 1] - times[0]).collect();
-        let times = if objects.coupled { times.clone() } else { Vec::new() };
-        Ok(Timing { group: index, energy: energy.0 + energy.1, seconds, objects, times })
     }
 
     /// Ê if `variant` were performed, for the targets of the last solve: the same as that of an editor built for it. `timing`:
@@ -364,13 +309,6 @@ impl Editor {
 /// A row as it was before anything was left to bodies.
 fn unbound(prepared: &Prepared) -> Prepared {
     Prepared { body_only: false, partner_row: None, ..*prepared }
-}
-
-impl Timing {
-    /// Whether somebody's place depends on how others move who are not in the same component: only solving all of them tells.
-    pub fn is_entangled(&self) -> bool {
-        self.objects.coupled
-    }
 }
 
 impl Variant {
