@@ -213,7 +213,7 @@ mod tests {
     use crate::edit::moved::time_of;
     use crate::edit::temporal::TemporalSettings;
     use crate::edit::time_row::StepBounds;
-    use crate::index::ConstraintId;
+    use crate::index::{ConstraintId, floor_index};
 
     const COUNTS: [usize; 2] = [60, 45];
 
@@ -267,7 +267,7 @@ mod tests {
     }
 
     /// The rows after frames came (or went) after frame `after` of a track.
-    fn spliced(rows: &[TimeRow], track: usize, (after, came): (usize, i64)) -> Vec<TimeRow> {
+    fn spliced(rows: &[TimeRow], track: usize, (after, came): (usize, isize)) -> Vec<TimeRow> {
         let moved = |point: TimePoint| {
             let later = point.track == track && point.frame > after as f64;
             TimePoint { frame: point.frame + if later { came as f64 } else { 0.0 }, ..point }
@@ -281,19 +281,19 @@ mod tests {
         #[test]
         fn what_is_told_is_what_is_solved(
             (given, at_rest) in (given(), any::<bool>()),
-            (track, after, came) in (0..2_usize, 0.0..1.0_f64, -12..30_i64),
+            (track, after, came) in (0..2_usize, 0.0..1.0_f64, -12..30_isize),
             bounded in any::<bool>(),
         ) {
             let bounds = bounded.then_some(StepBounds { min: 0.5, max: 2.0 });
             let rows = rows(&given, at_rest);
             let Some(present) = solved(COUNTS, &rows, bounds) else { return Ok(()) };
-            let after = (after * COUNTS[track] as f64) as usize;
+            let after = floor_index(after * COUNTS[track] as f64);
             let touches = |point: &TimePoint| point.track == track && point.frame > after as f64 - 1.0 && point.frame < after as f64 + 13.0;
             let points = |row: &TimeRow| std::iter::once(row.at).chain(row.minus).collect::<Vec<_>>();
             prop_assume!(!rows.iter().flat_map(points).any(|point| touches(&point)) && after + 13 < COUNTS[track]);
             let after_it = spliced(&rows, track, (after, came));
             let mut counts = COUNTS;
-            counts[track] = counts[track].checked_add_signed(came as isize).expect("frames");
+            counts[track] = counts[track].checked_add_signed(came).expect("frames");
             let own = rows.iter().filter(|row| points(row).iter().any(|point| point.track == track));
             let own_after: Vec<TimeRow> = after_it.iter().filter(|row| points(row).iter().any(|point| point.track == track)).copied().collect();
             let told = present.retimed((track, counts[track]), (own, &own_after));
