@@ -35,18 +35,13 @@ use crate::scene::Scene;
 use crate::clip::working::WORKING_STEP;
 
 use objects::ObjectTies;
-use told::{named, space_error, step_bounds, time_error};
+use told::{space_error, step_bounds, time_error};
 
 pub use timing::Timing;
 pub use variant::{Exchange, Variant, WhatIf};
 
 /// Default bounds on time steps in production mode, as multiples of the rest step.
 const DEFAULT_BOUNDS: StepBounds = StepBounds { min: 0.5, max: 2.0 };
-
-/// Paths shorter than this may change their length as they like, metres.
-const SHORT_PATH: f64 = 0.5;
-/// A path within these ratios of its length before the edit is no surprise.
-const USUAL_RATIO: std::ops::RangeInclusive<f64> = 0.5..=2.0;
 
 /// Result of a solve.
 #[derive(Clone, Debug, PartialEq)]
@@ -340,41 +335,6 @@ impl Editor {
             sums.2 += group.component.energy.0 + group.component.energy.1;
         }
         self.edit.energy = Energy::new(sums.0, sums.1, sums.2, &self.extents, self.scene.mode);
-    }
-}
-
-impl Editor {
-    fn notes(&self) -> Vec<EditNote> {
-        let name = |character: usize| self.scene.characters[character].name.clone();
-        let mut notes = Vec::new();
-        let mut redundant: Vec<ConstraintId> =
-            self.temporal.iter().flat_map(|group| group.component.redundant()).collect();
-        redundant.extend(self.spatial.iter().flat_map(|group| group.component.redundant()));
-        redundant.sort_unstable();
-        redundant.dedup();
-        if !redundant.is_empty() {
-            notes.push(EditNote::Redundant(redundant.into_iter().map(|id| named(&self.scene, id)).collect()));
-        }
-        let steps = self.temporal.iter().map(|group| group.component.active_steps).sum();
-        notes.extend((steps > 0).then_some(EditNote::StepsAtBound { steps }));
-        for group in &self.spatial {
-            notes.extend(group.component.released.iter().map(|(path, run)| EditNote::Released {
-                character: name(group.characters[*path]),
-                frames: group.component.rests[*path].rigid[*run],
-            }));
-        }
-        for (index, character) in self.edit.characters.iter().enumerate() {
-            notes.extend(character.turns.flips.iter().map(|flip| EditNote::Flip {
-                character: name(index),
-                frames: (flip.first, flip.last),
-                repaired: flip.repaired,
-            }));
-            let (before, after) = self.extents[index].length;
-            let ratio = after / before;
-            let drastic = before > SHORT_PATH && !USUAL_RATIO.contains(&ratio);
-            notes.extend(drastic.then(|| EditNote::Stretched { character: name(index), ratio }));
-        }
-        notes
     }
 }
 

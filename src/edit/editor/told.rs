@@ -1,13 +1,19 @@
 //! What the systems of an editor say, in the words of its scene.
 
-use super::DEFAULT_BOUNDS;
+use super::{DEFAULT_BOUNDS, Editor};
 use crate::edit::error::{EditError, Named};
 use crate::edit::hold::Phase;
+use crate::edit::note::EditNote;
 use crate::edit::spatial::SpatialError;
 use crate::edit::temporal::TemporalError;
 use crate::edit::time_row::StepBounds;
 use crate::index::ConstraintId;
 use crate::scene::{Mode, Scene};
+
+/// Paths shorter than this may change their length as they like, metres.
+const SHORT_PATH: f64 = 0.5;
+/// A path within these ratios of its length before the edit is no surprise.
+const USUAL_RATIO: std::ops::RangeInclusive<f64> = 0.5..=2.0;
 
 pub(super) fn named(scene: &Scene, constraint: ConstraintId) -> Named {
     let constraint = &scene.constraints[constraint.as_usize()];
@@ -64,5 +70,41 @@ pub(super) fn step_bounds(scene: &Scene) -> Option<StepBounds> {
             min: min.or(default.map(|bounds| bounds.min)).unwrap_or(1e-6),
             max: max.or(default.map(|bounds| bounds.max)).unwrap_or(1e6),
         }),
+    }
+}
+
+impl Editor {
+    /// What the user should know of the last solve.
+    pub(super) fn notes(&self) -> Vec<EditNote> {
+        let name = |character: usize| self.scene.characters[character].name.clone();
+        let mut notes = Vec::new();
+        let mut redundant: Vec<ConstraintId> =
+            self.temporal.iter().flat_map(|group| group.component.redundant()).collect();
+        redundant.extend(self.spatial.iter().flat_map(|group| group.component.redundant()));
+        redundant.sort_unstable();
+        redundant.dedup();
+        if !redundant.is_empty() {
+            notes.push(EditNote::Redundant(redundant.into_iter().map(|id| named(&self.scene, id)).collect()));
+        }
+        let steps = self.temporal.iter().map(|group| group.component.active_steps).sum();
+        notes.extend((steps > 0).then_some(EditNote::StepsAtBound { steps }));
+        for group in &self.spatial {
+            notes.extend(group.component.released.iter().map(|(path, run)| EditNote::Released {
+                character: name(group.characters[*path]),
+                frames: group.component.rests[*path].rigid[*run],
+            }));
+        }
+        for (index, character) in self.edit.characters.iter().enumerate() {
+            notes.extend(character.turns.flips.iter().map(|flip| EditNote::Flip {
+                character: name(index),
+                frames: (flip.first, flip.last),
+                repaired: flip.repaired,
+            }));
+            let (before, after) = self.extents[index].length;
+            let ratio = after / before;
+            let drastic = before > SHORT_PATH && !USUAL_RATIO.contains(&ratio);
+            notes.extend(drastic.then(|| EditNote::Stretched { character: name(index), ratio }));
+        }
+        notes
     }
 }

@@ -73,3 +73,80 @@ impl Drawing for Measuring<'_> {
         self.sum += self.rest.along[range.end.min(last)] - self.rest.along[range.start.max(1).min(last)];
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+    use crate::constraint::Strength;
+    use crate::edit::hold::{HeldRow, Hold, Place, Prepared};
+    use crate::edit::settings::{Backend, SpatialSettings};
+    use crate::index::ConstraintId;
+    use crate::path::RestPath;
+
+    /// Stretches of walks and stands: frames, metres a frame, turn a frame, radians.
+    fn stretches() -> impl Strategy<Value = Vec<(usize, f64, f64)>> {
+        let pace = prop_oneof![2 => 0.02..0.06_f64, 1 => Just(0.0), 1 => 0.0..0.002_f64];
+        prop::collection::vec((4..20_usize, pace, -0.05..0.05_f64), 2..6)
+    }
+
+    /// Stands are stationary.
+    fn path(stretches: &[(usize, f64, f64)]) -> RestPath {
+        let (mut at, mut heading, mut path) = (c64::default(), 0.0, RestPath::default());
+        for (frames, pace, turn) in stretches {
+            let first = path.positions.len();
+            for _ in 0..*frames {
+                path.positions.push(at);
+                path.headings.push(heading);
+                at += c64::from_polar(*pace, heading);
+                heading += turn;
+            }
+            if *pace < 0.01 && path.rigid.last().is_none_or(|last| last.1 + 1 < first) {
+                path.rigid.push((first, path.positions.len() - 1));
+            }
+        }
+        path
+    }
+
+    fn rows(rest: &RestPath, pins: &[(f64, (f64, f64), bool)]) -> Vec<Prepared> {
+        let row = |(index, (share, shift, hard)): (usize, &(f64, (f64, f64), bool))| {
+            let frame = (share * (rest.len() - 1) as f64).round();
+            let strength = if *hard { Strength::Hard } else { Strength::Soft(5.0) };
+            let at = Place { path: 0, frame, heading: 0.0, detail: c64::default() };
+            let target = crate::path::at(&rest.positions, frame) + c64::new(shift.0, shift.1);
+            let row = HeldRow {
+                constraint: ConstraintId::from_usize(index),
+                strength,
+                hold: Hold::Position { at, target },
+            };
+            Prepared::new(row, std::slice::from_ref(rest), SpatialSettings::PRODUCTION.baseline)
+        };
+        pins.iter().enumerate().map(row).collect()
+    }
+
+    proptest! {
+        #[test]
+        fn lengths_are_those_of_the_edit(
+            stretches in stretches(),
+            pins in prop::collection::vec((0.0..1.0_f64, (-0.5..0.5_f64, -0.5..0.5_f64), any::<bool>()), 1..5),
+            (paper, direct) in (any::<bool>(), any::<bool>()),
+        ) {
+            let settings = if paper { SpatialSettings::PAPER } else { SpatialSettings::PRODUCTION };
+            let backend = if direct { Backend::Direct } else { Backend::Reduced };
+            let rest = path(&stretches);
+            let build = |lengths_only: bool| {
+                let mut own = SpatialComponent::new(vec![rest.clone()], rows(&rest, &pins), settings, backend);
+                own.lengths_only = lengths_only;
+                own.solve().map(|()| own)
+            };
+            let (Ok(all), Ok(own)) = (build(false), build(true)) else { return Ok(()) };
+            let close = |a: &[c64], b: &[c64]| a.len() == b.len() && a.iter().zip(b).all(|(a, b)| (a - b).norm() < 1e-9);
+            prop_assert!(close(&all.shaped[0], &own.shaped[0]), "the shape");
+            prop_assert!(close(&all.turned[0].points, &own.turned[0].points), "the turned path");
+            let lengths = [all.bodies[0].length, own.bodies[0].length];
+            prop_assert!((lengths[0] - lengths[1]).abs() < 1e-9, "{lengths:?}");
+            prop_assert!((length(&all.edited[0]) - lengths[1]).abs() < 1e-9);
+        }
+    }
+}
