@@ -27,6 +27,7 @@ pub mod direct;
 pub mod phase;
 pub mod facing;
 pub mod moved;
+pub mod canvas;
 pub mod spatial;
 pub mod what_if;
 pub mod time_row;

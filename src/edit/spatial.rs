@@ -13,6 +13,7 @@ use std::sync::Arc;
 use cotillion_solvers::KktError;
 
 use crate::edit::bodies::leave_to_the_body;
+use crate::edit::canvas::Canvases;
 use crate::edit::clash::{self, Miss};
 use crate::edit::direction::Direction;
 use crate::edit::facing::{Body, hold_facings};
@@ -99,6 +100,8 @@ pub struct SpatialComponent {
     pub(super) lengths_only: bool,
     /// The scale system is not there yet.
     pub(super) lacks_scale: bool,
+    /// What its what-ifs draw on.
+    pub(super) canvases: Canvases,
 }
 
 /// So many systems with other stretches released are kept.
@@ -167,6 +170,7 @@ impl SpatialComponent {
             others: Vec::new(),
             lengths_only: false,
             lacks_scale: false,
+            canvases: Canvases::default(),
         }
     }
 

@@ -4,37 +4,25 @@
 //! stand for two factorisations, and solutions are refined as always. Mathematics: the exchange of a path in
 //! `cotillion_solvers`.
 
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::Arc;
 
 use cotillion_solvers::{Effort, PathResponse};
 
 use crate::edit::bodies::leave_to_the_body;
-use crate::edit::facing::Body;
+use crate::edit::canvas::{Canvas, Canvases};
 use crate::edit::hold::{Phase, Prepared, Rotations};
 use crate::edit::own_path::OwnPath;
 use crate::edit::phase::PhaseSolver;
 use crate::edit::settings::FacingMode;
 use crate::edit::spatial::{SpatialComponent, freedom};
-use crate::edit::turned::TurnedPath;
 use crate::geometry::c64;
-use crate::path::RestPath;
 
 /// How the two phases of a group answer to changes of one of its paths.
 pub struct GroupResponse {
     path: usize,
     phases: [PathResponse; 2],
-    /// Memory for solves of exchanged groups, as many as were solved at once.
-    canvases: Mutex<Vec<Canvas>>,
-}
-
-/// What the solves of a group draw on.
-#[derive(Default)]
-struct Canvas {
-    shaped: Vec<Vec<c64>>,
-    turned: Vec<TurnedPath>,
-    /// Of paths that springs do not tell.
-    edited: Vec<Vec<c64>>,
-    bodies: Vec<Body>,
+    /// Memory for solves of exchanged groups.
+    canvases: Canvases,
 }
 
 /// Answers to changes of path `path`; `None` where they cannot be said beforehand: stretches had to be released, motions are
@@ -44,7 +32,7 @@ pub fn response(group: &SpatialComponent, path: usize) -> Option<GroupResponse> 
         return None;
     }
     let phases = [group.shape.response(path)?, group.scale.response(path)?];
-    Some(GroupResponse { path, phases, canvases: Mutex::default() })
+    Some(GroupResponse { path, phases, canvases: group.canvases.clone() })
 }
 
 /// The group with `other` in place of a path, and the rows `held` with those on it, for the shape phase; of its bodies it tells
@@ -97,6 +85,7 @@ pub fn exchanged(
         others: Vec::new(),
         lengths_only: true,
         lacks_scale: true,
+        canvases: Canvases::default(),
     })
 }
 
@@ -106,36 +95,20 @@ pub fn on_canvas<T>(
     group: &mut SpatialComponent,
     work: impl FnOnce(&mut SpatialComponent) -> T,
 ) -> T {
-    let free = || response.canvases.lock().unwrap_or_else(PoisonError::into_inner);
-    let mut canvas = free().pop().unwrap_or_default();
-    canvas.fit(&group.rests);
-    canvas.swap_with(group);
+    let mut canvas = response.canvases.take(&group.rests);
+    swap(&mut canvas, group);
     let done = work(group);
-    canvas.swap_with(group);
-    free().push(canvas);
+    swap(&mut canvas, group);
+    response.canvases.give_back(canvas);
     done
 }
 
-impl Canvas {
-    /// Makes room for these paths.
-    fn fit(&mut self, rests: &[Arc<RestPath>]) {
-        self.shaped.resize_with(rests.len(), Vec::new);
-        self.turned.resize_with(rests.len(), TurnedPath::default);
-        self.edited.resize_with(rests.len(), Vec::new);
-        self.bodies.resize_with(rests.len(), Body::default);
-        for (path, rest) in rests.iter().enumerate() {
-            for points in [&mut self.shaped[path], &mut self.turned[path].points] {
-                points.resize(rest.len(), c64::default());
-            }
-        }
-    }
-
-    fn swap_with(&mut self, group: &mut SpatialComponent) {
-        std::mem::swap(&mut self.shaped, &mut group.shaped);
-        std::mem::swap(&mut self.turned, &mut group.turned);
-        std::mem::swap(&mut self.edited, &mut group.edited);
-        std::mem::swap(&mut self.bodies, &mut group.bodies);
-    }
+/// Gives a group a canvas, or takes it away again.
+fn swap(canvas: &mut Canvas, group: &mut SpatialComponent) {
+    std::mem::swap(&mut canvas.shaped, &mut group.shaped);
+    std::mem::swap(&mut canvas.turned, &mut group.turned);
+    std::mem::swap(&mut canvas.edited, &mut group.edited);
+    std::mem::swap(&mut canvas.bodies, &mut group.bodies);
 }
 
 /// Gives a group exchanged for `other` its scale system, to be solved by `effort`; `None` where more would change than the
