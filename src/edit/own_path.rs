@@ -6,7 +6,6 @@ use cotillion_solvers::SpringPath;
 
 use crate::edit::columns::Freedom;
 use crate::edit::direction::{Direction, run_chord};
-use crate::edit::energy::length;
 use crate::edit::hold::Phase;
 use crate::edit::settings::SpatialSettings;
 use crate::edit::springs::spring_path;
@@ -30,9 +29,10 @@ pub struct OwnPath {
 impl OwnPath {
     /// Cost: linear in frames.
     pub fn new(rest: RestPath) -> Self {
+        let segments = rest.segments();
         Self {
-            length: length(&rest.positions),
-            segments: Arc::new(rest.segments()),
+            length: segments.along.last().copied().unwrap_or(0.0),
+            segments: Arc::new(segments),
             chords: Arc::new(chords(&rest)),
             rest: Arc::new(rest),
             springs: [const { OnceLock::new() }; 2],

@@ -174,14 +174,10 @@ impl PhaseSolver {
 
     /// Fills in the points of a path: reference plus deviation.
     pub fn points(&self, path: usize, reference: impl Fn(usize) -> c64, points: &mut [c64]) {
-        self.visit(path, |frame, deviation| points[frame] = reference(frame) + deviation);
-    }
-
-    /// Calls `visit` with every frame of a path, rising, and its deviation.
-    pub fn visit(&self, path: usize, visit: impl FnMut(usize, c64)) {
+        let fill = |frame: usize, deviation: c64| points[frame] = reference(frame) + deviation;
         match (&self.reduced, &self.direct) {
-            (Some(reduced), _) if self.answer == Backend::Reduced => reduced.visit(path, visit),
-            (_, Some(direct)) => direct.visit(path, visit),
+            (Some(reduced), _) if self.answer == Backend::Reduced => reduced.visit(path, fill),
+            (_, Some(direct)) => direct.visit(path, fill),
             _ => {}
         }
     }
