@@ -47,6 +47,14 @@ const MOST_REFINEMENTS: usize = 6;
 /// Solutions that miss their rows by more, relative to the targets, are refused.
 const ALLOWED_RESIDUAL: f64 = 1e-9;
 
+/// Loads and states at the nodes of one piece.
+pub(crate) struct PieceBend<'a> {
+    pub(crate) loads: &'a [Load],
+    pub(crate) states: &'a [State],
+    /// State of the first point that it knows.
+    pub(crate) origin: State,
+}
+
 /// Bent paths, as loads and states at the constrained points: everything in between is known from these. Holds the memory
 /// of solves; nothing else is allocated.
 pub struct Bent {
@@ -172,6 +180,21 @@ impl Bent {
     /// Unknowns of the scaled system.
     pub(crate) fn unknowns(&self) -> &[TwoPart<c64>] {
         &self.unknowns
+    }
+
+    /// Multiplier of a row.
+    pub(crate) fn multiplier(&self, row: usize) -> c64 {
+        self.lambda[row].high
+    }
+
+    /// What is known of a piece.
+    pub(crate) fn piece(&self, piece: usize) -> PieceBend<'_> {
+        let nodes = self.starts[piece]..self.starts[piece + 1];
+        PieceBend {
+            loads: &self.loads[nodes.clone()],
+            states: &self.states[nodes],
+            origin: self.origins[piece],
+        }
     }
 
     /// Loads and states at all nodes from the unknowns; how far points moved, relative to the farthest.

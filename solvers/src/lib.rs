@@ -35,6 +35,7 @@
 //! # Ok::<(), cotillion_solvers::KktError>(())
 //! ```
 
+pub use alike::Likeness;
 pub use augmented::KktForm;
 pub use bent::{Bent, Effort};
 pub use bounds::{BoundMethod, solve_bounded};
@@ -62,6 +63,7 @@ pub use sprs::CsMat;
 pub use step_response::{Restepped, StepResponse};
 pub use update::{Change, PathResponse};
 
+mod alike;
 mod augmented;
 mod bent;
 mod bounds;

@@ -128,6 +128,16 @@ impl PathLoads {
         self.own == *own && self.given == terms
     }
 
+    /// Whether rows touch the same points of the same piece.
+    pub(crate) fn has_nodes_of(&self, other: &Self) -> bool {
+        self.own == other.own && self.nodes == other.nodes
+    }
+
+    /// Row and coefficient of each term.
+    pub(crate) fn terms(&self) -> impl Iterator<Item = (usize, c64)> + '_ {
+        self.given.iter().map(|(row, _, value)| (*row, *value))
+    }
+
     fn take_terms(&mut self, given: &[(usize, usize, c64)]) {
         for of_row in given.chunk_by(|a, b| a.0 == b.0) {
             let start = self.terms.len();

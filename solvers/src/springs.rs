@@ -97,6 +97,11 @@ pub(crate) struct Load {
 }
 
 impl Load {
+    /// This without `other`.
+    pub(crate) fn less(self, other: Self) -> Self {
+        Self { force: self.force - other.force, moment: self.moment - other.moment }
+    }
+
     /// The same about the point before, `chord` = q_b − q_a, with a load μ on that point.
     pub(crate) fn carried(self, chord: c64, mu: c64) -> Self {
         Self { force: self.force + mu, moment: self.moment + self.force * chord.conj() }

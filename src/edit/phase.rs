@@ -3,8 +3,10 @@
 //! Unknown are deviations from a reference path that satisfies all interior rows, so that only held rows have targets: what
 //! they miss on the reference.
 
+use std::ops::Range;
+
 use cotillion_solvers::{
-    Dependency, Drawing, Effort, KktError, PathResponse, PointRow, RowMatrix, analyse_rank,
+    Dependency, Drawing, Effort, KktError, Likeness, PathResponse, PointRow, RowMatrix, analyse_rank,
 };
 
 use crate::edit::bound_rows::BoundRows;
@@ -186,6 +188,19 @@ impl PhaseSolver {
     pub fn draw(&self, path: usize, drawing: &mut impl Drawing) -> bool {
         let reduced = self.reduced.as_ref().filter(|_| self.answer == Backend::Reduced);
         reduced.map(|reduced| reduced.draw(path, drawing)).is_some()
+    }
+
+    /// Compares a path of deviations with that of another solution of the same springs: ranges of frames, and how far the segments
+    /// after them are apart; `false` where springs do not tell.
+    pub fn compare(&self, other: &Self, path: usize, visit: impl FnMut(Range<usize>, Likeness)) -> bool {
+        let told = [self, other].map(|own| own.reduced.as_ref().filter(|_| own.answer == Backend::Reduced));
+        let [Some(own), Some(its)] = told else { return false };
+        own.compare(its, path, visit)
+    }
+
+    /// By how much the energy may be less, at most, where the points of path p that targets were measured by are off by `by(p)`, m.
+    pub fn work(&self, by: impl Fn(usize) -> f64) -> f64 {
+        self.reduced.as_ref().map_or(0.0, |reduced| reduced.work(self.kept.len(), by))
     }
 
     /// Energies of the interior rows and of the soft held rows.

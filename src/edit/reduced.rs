@@ -1,10 +1,11 @@
 //! One phase reduced exactly to its held rows: paths as springs.
 
+use std::ops::Range;
 use std::sync::Arc;
 
 use cotillion_solvers::{
-    Bent, Compliance, ComplianceAnalysis, ComplianceFactor, Drawing, Effort, KktError, PathResponse,
-    PointRow, SpringPath,
+    Bent, Compliance, ComplianceAnalysis, ComplianceFactor, Drawing, Effort, KktError, Likeness,
+    PathResponse, PointRow, SpringPath,
 };
 use rayon::prelude::*;
 
@@ -95,6 +96,17 @@ impl ReducedPhase {
         if let Some((_, bent)) = &self.factor {
             bent.draw(&self.problem, path, drawing);
         }
+    }
+
+    /// Compares a path with that of another solution, see [`Bent::compare`].
+    pub fn compare(&self, other: &Self, path: usize, visit: impl FnMut(Range<usize>, Likeness)) -> bool {
+        let (Some((_, own)), Some((_, its))) = (&self.factor, &other.factor) else { return false };
+        own.compare(&self.problem, (its, &other.problem), path, visit)
+    }
+
+    /// See [`Bent::work`]; `rows`: how many held rows there are.
+    pub fn work(&self, rows: usize, by: impl Fn(usize) -> f64) -> f64 {
+        self.factor.as_ref().map_or(0.0, |(_, bent)| bent.work(&self.problem, rows, by))
     }
 
     /// Energies of the springs and of the soft held rows.

@@ -4,6 +4,7 @@
 //! right-hand sides, substitutions and one pass over the frames. Source: Kim et al. 2009, §4.1–4.2, in the forms that
 //! the module docs of `springs`, `hold` and `reference` give.
 
+mod alike;
 mod assembled;
 mod lengths;
 mod rotations;
@@ -29,6 +30,7 @@ use crate::geometry::c64;
 use crate::index::ConstraintId;
 use crate::path::{RestPath, RestSegments};
 
+pub(super) use alike::{Alike, Like};
 use assembled::assemble_both;
 pub(super) use assembled::freedom;
 
@@ -100,6 +102,8 @@ pub struct SpatialComponent {
     pub(super) lengths_only: bool,
     /// The scale system is not there yet.
     pub(super) lacks_scale: bool,
+    /// Paths that were taken from another solution, about which they are.
+    pub(super) alike: Alike,
     /// What its what-ifs draw on.
     pub(super) canvases: Canvases,
 }
@@ -170,6 +174,7 @@ impl SpatialComponent {
             others: Vec::new(),
             lengths_only: false,
             lacks_scale: false,
+            alike: Alike::default(),
             canvases: Canvases::default(),
         }
     }
@@ -223,17 +228,18 @@ impl SpatialComponent {
     /// [`SpatialError::Conflict`] where hard rows contradict each other; a stationary stretch that is the cause is
     /// released first.
     pub fn solve(&mut self) -> Result<(), SpatialError> {
-        self.solve_below(f64::INFINITY).map(|_| ())
+        self.solve_below(f64::INFINITY, None).map(|_| ())
     }
 
     /// The same, given up where the shape alone, or with it the springs of the scale phase, takes more energy than `most`, m².
+    /// `like`: a solution of which paths are taken that are about the same, where lengths are all that is asked for.
     ///
     /// # Errors
     /// As [`SpatialComponent::solve`].
-    pub fn solve_below(&mut self, most: f64) -> Result<Solved, SpatialError> {
+    pub fn solve_below(&mut self, most: f64, like: Option<Like>) -> Result<Solved, SpatialError> {
         self.release(Vec::new());
         loop {
-            match self.attempt(most)? {
+            match self.attempt(most, like)? {
                 Attempt::Ended(solved) => return Ok(solved),
                 Attempt::Release(mut runs) => {
                     runs.extend(&self.released);
@@ -248,29 +254,29 @@ impl SpatialComponent {
     ///
     /// # Errors
     /// As [`SpatialComponent::solve`].
-    pub fn go_on(&mut self, most: f64) -> Result<Solved, SpatialError> {
-        match self.solve_scale(most)? {
+    pub fn go_on(&mut self, most: f64, like: Option<Like>) -> Result<Solved, SpatialError> {
+        match self.solve_scale(most, like)? {
             None => Ok(Solved::Both),
             Some(Attempt::Ended(solved)) => Ok(solved),
-            Some(Attempt::Release(_)) => self.solve_below(most),
+            Some(Attempt::Release(_)) => self.solve_below(most, like),
         }
     }
 
-    fn attempt(&mut self, most: f64) -> Result<Attempt, SpatialError> {
+    fn attempt(&mut self, most: f64, like: Option<Like>) -> Result<Attempt, SpatialError> {
         self.rest_rotations();
         // Where nobody turns on the spot, the first shape is the last one: no need to draw it if it takes too much.
         let drawn_up_to = if self.may_turn() { f64::INFINITY } else { most };
-        if let Some(ended) = self.solve_shape(drawn_up_to)? {
+        if let Some(ended) = self.solve_shape(drawn_up_to, like)? {
             return Ok(ended);
         }
         let before = self.may_turn().then(|| self.rotations.clone());
-        if self.update_rotations() {
+        if self.update_rotations(like) {
             if before.is_none_or(|before| self.asks_otherwise(&before))
-                && let Some(ended) = self.solve_shape(most)?
+                && let Some(ended) = self.solve_shape(most, like)?
             {
                 return Ok(ended);
             }
-            self.update_rotations();
+            self.update_rotations(like);
         }
         self.check_bodies()?;
         if self.energy.shape + self.energy.shape_soft > most {
@@ -282,11 +288,11 @@ impl SpatialComponent {
         if self.lacks_scale {
             return Ok(Attempt::Ended(Solved::LacksScale));
         }
-        self.solve_scale(most).map(|release| release.unwrap_or(Attempt::Ended(Solved::Both)))
+        self.solve_scale(most, like).map(|release| release.unwrap_or(Attempt::Ended(Solved::Both)))
     }
 
     /// Solves the shape phase; draws it unless it takes more energy than `most`.
-    fn solve_shape(&mut self, most: f64) -> Result<Option<Attempt>, SpatialError> {
+    fn solve_shape(&mut self, most: f64, like: Option<Like>) -> Result<Option<Attempt>, SpatialError> {
         let (held, rotations, rests) = (&self.held, &self.rotations, &self.rests);
         let rest = |path: usize| rests[path].positions.as_slice();
         let asked = reference_translations(rests.len(), rest, held, |_| Rotations::NONE);
@@ -306,7 +312,7 @@ impl SpatialComponent {
             return Ok(Some(Attempt::Ended(Solved::TooMuch)));
         }
         if self.lengths_only {
-            self.shape_and_turn();
+            self.shape_and_turn(like);
             return Ok(None);
         }
         let shape = &self.shape;
@@ -318,12 +324,14 @@ impl SpatialComponent {
         Ok(None)
     }
 
-    fn solve_scale(&mut self, most: f64) -> Result<Option<Attempt>, SpatialError> {
-        let translations = self.scale_translations();
-        let (held, rotations, turned) = (&self.held, &self.rotations, &self.turned);
+    fn solve_scale(&mut self, most: f64, like: Option<Like>) -> Result<Option<Attempt>, SpatialError> {
+        let translations = self.scale_translations(like);
+        let (held, rotations) = (&self.held, &self.rotations);
+        let (alike, own, its) = (&self.alike, &self.turned, like.map(|like| like.group.turned.as_slice()));
+        let turned = |path: usize| alike.pick(path, own, its).points.as_slice();
         let relative = self.settings.relative;
         let value = |index: usize| held[index].target(Phase::Scale, relative, rotations[index]);
-        self.scale.set_targets(value, |path, frame| turned[path].points[frame] + translations[path]);
+        self.scale.set_targets(value, |path, frame| turned(path)[frame] + translations[path]);
         if let Some((rows, miss)) = self.scale.contradiction() {
             return self.clash(&rows, miss).map(Some);
         }
@@ -331,17 +339,18 @@ impl SpatialComponent {
         let solved = self.scale.solve(freedom, &self.settings);
         solved.map_err(|error| SpatialError::Solver(Phase::Scale, error))?;
         (self.energy.scale, self.energy.scale_soft) = self.scale.energies();
-        if self.energy.shape + self.energy.shape_soft + self.energy.scale > most {
+        self.alike.energy = self.energy_apart();
+        if self.energy.shape + self.energy.shape_soft + self.energy.scale > most + self.alike.energy {
             return Ok(Some(Attempt::Ended(Solved::TooMuchInAll)));
         }
         if self.lengths_only {
-            self.find_lengths(&translations);
+            self.find_lengths(&translations, like);
             return Ok(None);
         }
         hold_facings(held, rotations, &mut self.bodies);
         let (scale, rests) = (&self.scale, &self.rests);
         let stretch = |path: usize, edited: &mut Vec<c64>, body: &mut Body| {
-            let (turned, translation) = (&turned[path], translations[path]);
+            let (turned, translation) = (&own[path], translations[path]);
             scale.points(path, |frame| turned.points[frame] + translation, edited);
             body.follow(&rests[path], edited, &turned.factors);
         };
@@ -350,11 +359,16 @@ impl SpatialComponent {
     }
 
     /// What moves each turned path where its constraints ask for it; where none does, around the middle of the shaped one.
-    fn scale_translations(&self) -> Vec<c64> {
-        let (turned, rotations) = (&self.turned, &self.rotations);
-        let path = |path: usize| turned[path].points.as_slice();
-        let asked = reference_translations(turned.len(), path, &self.held, |row| rotations[row]);
-        let to_middle = |path: usize| centre(&self.shaped[path]) - centre(&turned[path].points);
+    fn scale_translations(&self, like: Option<Like>) -> Vec<c64> {
+        let rotations = &self.rotations;
+        let turned = |path: usize| {
+            let its = like.map(|like| like.group.turned.as_slice());
+            self.alike.pick(path, &self.turned, its).points.as_slice()
+        };
+        let asked = reference_translations(self.turned.len(), turned, &self.held, |row| rotations[row]);
+        let shaped =
+            |path: usize| self.alike.pick(path, &self.shaped, like.map(|like| like.group.shaped.as_slice()));
+        let to_middle = |path: usize| centre(shaped(path)) - centre(turned(path));
         asked.into_iter().enumerate().map(|(path, asked)| asked.unwrap_or_else(|| to_middle(path))).collect()
     }
 

@@ -14,7 +14,7 @@ use crate::edit::hold::{Phase, Prepared, Rotations};
 use crate::edit::own_path::OwnPath;
 use crate::edit::phase::PhaseSolver;
 use crate::edit::settings::FacingMode;
-use crate::edit::spatial::{SpatialComponent, freedom};
+use crate::edit::spatial::{Alike, SpatialComponent, freedom};
 use crate::geometry::c64;
 
 /// How the two phases of a group answer to changes of one of its paths.
@@ -85,6 +85,7 @@ pub fn exchanged(
         others: Vec::new(),
         lengths_only: true,
         lacks_scale: true,
+        alike: Alike::default(),
         canvases: Canvases::default(),
     })
 }

@@ -13,7 +13,7 @@ use crate::edit::groups::Group;
 use crate::edit::hold::Prepared;
 use crate::edit::own_path::OwnPath;
 use crate::edit::retarget::retarget;
-use crate::edit::spatial::{Solved, SpatialComponent};
+use crate::edit::spatial::{Like, Solved, SpatialComponent};
 use crate::edit::temporal::TemporalComponent;
 use crate::edit::time_row::TimeRow;
 use crate::edit::what_if::{GroupResponse, complete, exchanged, on_canvas, response, set_effort};
@@ -69,6 +69,10 @@ pub enum WhatIf {
 
 /// A sketched Ê is off by no more than this, relative to 1 and itself: a hundred times what was seen.
 const SKETCHED: f64 = 1e-3;
+/// How far apart paths are at most that sketches take for one, metres: a rough one first, which suffices mostly.
+const SKETCHES: [f64; 2] = [1e-2, 1e-4];
+/// A metre by which lengths are off is no more than so much of Ê: four times what lengths cost.
+const PER_METRE: f64 = 2.0;
 
 /// What a variant makes of the paths that are tied to it.
 pub(super) struct Space {
@@ -199,14 +203,16 @@ impl Editor {
         timing.objects.place(*group, &mut component.held);
         let doubtful = most + SKETCHED * (1.0 + most);
         on_canvas(response, component, |component| {
-            let mut below = |most, effort| {
-                self.energy_below(whom, (*group, &mut *component, response), (least, most, effort))
-            };
-            match below(doubtful, Effort::Sketch)? {
-                WhatIf::Energy(energy) if energy.total <= doubtful => below(most, Effort::Estimate),
-                WhatIf::Energy(energy) => Some(WhatIf::TooMuch(Some(energy.total))),
-                given_up => Some(given_up),
+            let present = &self.spatial[*group].component;
+            for within in SKETCHES {
+                let how = (Effort::Sketch, Some(Like { group: present, within }));
+                match self.energy_below(whom, (*group, &mut *component, response), (least, doubtful), how)? {
+                    WhatIf::Energy(energy) if energy.total - off_by(component) <= doubtful => {}
+                    WhatIf::Energy(energy) => return Some(WhatIf::TooMuch(Some(energy.total))),
+                    given_up => return Some(given_up),
+                }
             }
+            self.energy_below(whom, (*group, component, response), (least, most), (Effort::Estimate, None))
         })
     }
 
@@ -216,14 +222,15 @@ impl Editor {
         &self,
         (variant, timing): (&Variant, &Timing),
         (group, component, response): (usize, &mut SpatialComponent, &GroupResponse),
-        (least, most, effort): (f64, f64, Effort),
+        (least, most): (f64, f64),
+        (effort, like): (Effort, Option<Like>),
     ) -> Option<WhatIf> {
         let most = (most - least) * WORKING_STEP.powi(3);
         set_effort(component, effort);
-        let mut solved = component.solve_below(most).ok()?;
+        let mut solved = component.solve_below(most, like).ok()?;
         if solved == Solved::LacksScale {
             complete(&self.spatial[group].component, response, (component, &variant.own, effort))?;
-            solved = component.go_on(most).ok()?;
+            solved = component.go_on(most, like).ok()?;
         }
         match solved {
             Solved::Both => {}
@@ -321,6 +328,11 @@ impl Variant {
         let constraint = self.held[place].row.constraint;
         place - self.held.partition_point(|prepared| prepared.row.constraint < constraint)
     }
+}
+
+/// By how much less Ê may be where paths were taken for others.
+fn off_by(component: &SpatialComponent) -> f64 {
+    PER_METRE * component.alike.metres + component.alike.energy / WORKING_STEP.powi(3)
 }
 
 /// Group of a character, and place in it.

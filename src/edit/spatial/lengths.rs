@@ -4,8 +4,8 @@ use std::ops::Range;
 
 use cotillion_solvers::{Drawing, SpringPath};
 
-use super::SpatialComponent;
 use super::rotations::kept_runs;
+use super::{Like, SpatialComponent};
 use crate::edit::energy::length;
 use crate::edit::facing::Body;
 use crate::edit::parallel::for_each_path;
@@ -14,11 +14,17 @@ use crate::geometry::c64;
 use crate::path::RestSegments;
 
 impl SpatialComponent {
-    /// Draws the paths as the shape phase was last solved, and turns the rest paths. Cost: linear in frames.
-    pub(super) fn shape_and_turn(&mut self) {
+    /// Draws the paths as the shape phase was last solved, and turns the rest paths, but for those that are about as in `like`. Cost:
+    /// linear in frames.
+    pub(super) fn shape_and_turn(&mut self, like: Option<Like>) {
+        self.find_alike(like);
+        let alike = &self.alike;
         let (shape, rests, segments) = (&self.shape, &self.rests, &self.segments);
         let (translations, chords, released) = (&self.translations, &self.chords, &self.released);
         let draw = |path: usize, shaped: &mut Vec<c64>, turned: &mut TurnedPath| {
+            if alike.apart(path).is_some() {
+                return;
+            }
             let (own, translation) = ((&*rests[path], &*segments[path]), translations[path]);
             let mut turning = Turning::new(own, translation, (shaped, turned));
             if shape.draw(path, &mut turning) && turning.is_sound() {
@@ -30,12 +36,18 @@ impl SpatialComponent {
         for_each_path(rests, &mut self.shaped, &mut self.turned, draw);
     }
 
-    /// Lengths of the paths as the scale phase was last solved, which moved the turned ones by `translations` before that. Cost:
-    /// linear in frames outside of stationary stretches.
-    pub(super) fn find_lengths(&mut self, translations: &[c64]) {
-        let (scale, segments, turned) = (&self.scale, &self.segments, &self.turned);
+    /// Lengths of the paths as the scale phase was last solved, which moved the turned ones by `translations` before that, or those in
+    /// `like` that are about the same. Cost: linear in frames outside of stationary stretches.
+    pub(super) fn find_lengths(&mut self, translations: &[c64], like: Option<Like>) {
+        let known = self.lengths_alike(like);
+        let (scale, segments, turned, alike) = (&self.scale, &self.segments, &self.turned, &self.alike);
+        let its = like.map(|like| like.group.turned.as_slice());
         let measure = |path: usize, edited: &mut Vec<c64>, body: &mut Body| {
-            let points = turned[path].points.as_slice();
+            if let Some(length) = known.get(path).copied().flatten() {
+                body.length = length;
+                return;
+            }
+            let points = alike.pick(path, turned, its).points.as_slice();
             let mut measuring = Measuring { turned: points, rest: &segments[path], sum: 0.0 };
             body.length = if scale.draw(path, &mut measuring) {
                 measuring.sum

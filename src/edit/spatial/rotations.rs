@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use super::{SpatialComponent, SpatialError, unique};
+use super::{Like, SpatialComponent, SpatialError, unique};
 use crate::edit::bodies::{first_disagreement, spread_still_rotations};
 use crate::edit::clash::Miss;
 use crate::edit::direction::Direction;
@@ -54,17 +54,19 @@ impl SpatialComponent {
         for_each_path(rests, &mut self.shaped, &mut self.turned, turn);
     }
 
-    /// Rotations of all places on the shaped paths; whether a body without direction turned on the way.
-    pub(super) fn update_rotations(&mut self) -> bool {
+    /// Rotations of all places on the shaped paths, or those of `like` that stand for them; whether a body without direction turned on the way.
+    pub(super) fn update_rotations(&mut self, like: Option<Like>) -> bool {
+        let (alike, own, its) = (&self.alike, &self.shaped, like.map(|like| like.group.shaped.as_slice()));
+        let shaped = |path: usize| alike.pick(path, own, its);
         let mut turned = false;
         for (rotations, prepared) in self.rotations.iter_mut().zip(&self.held) {
             let hold = prepared.row.hold;
             if let (Some(direction), Some(to), None) = (prepared.to, hold.to(), prepared.partner_row) {
-                rotations.to = direction.rotation(&self.shaped[to.path]);
+                rotations.to = direction.rotation(shaped(to.path));
             }
             match (prepared.at, hold) {
                 (Some(direction), _) if !prepared.body_only => {
-                    rotations.at = direction.rotation(&self.shaped[hold.at().path]);
+                    rotations.at = direction.rotation(shaped(hold.at().path));
                 }
                 (_, Hold::RelativeFacing { at, to, angle }) => {
                     let own = cis(to.heading + angle - at.heading) * rotations.to;
