@@ -80,27 +80,46 @@ pub struct Bent {
 impl Bent {
     /// Memory for solves of `problem` with `factor`; all paths at zero.
     pub fn new(problem: &Compliance, factor: &ComplianceFactor) -> Self {
-        let mut starts = vec![0];
-        starts.extend(problem.loads.iter().scan(0, |next, loads| {
-            *next += loads.nodes.len();
-            Some(*next)
-        }));
-        let nodes = starts[problem.loads.len()];
-        let most = problem.loads.iter().map(|loads| loads.nodes.len()).max().unwrap_or(0);
-        Self {
-            lambda: vec![TwoPart::default(); problem.rows.len()],
-            unknowns: vec![TwoPart::default(); problem.layout.size],
-            residual: vec![c64::default(); problem.layout.size],
-            values: vec![c64::default(); problem.rows.len()],
-            starts,
-            loads: vec![Load::default(); nodes],
-            states: vec![State::default(); nodes],
-            forces: vec![TwoPart::default(); most],
-            origins: vec![State::default(); problem.loads.len()],
+        let mut bent = Self {
+            lambda: Vec::new(),
+            unknowns: Vec::new(),
+            residual: Vec::new(),
+            values: Vec::new(),
+            starts: Vec::new(),
+            loads: Vec::new(),
+            states: Vec::new(),
+            forces: Vec::new(),
+            origins: Vec::new(),
             energy: 0.0,
             settled: true,
             scratch: factor.scratch(),
+        };
+        bent.fit(problem, factor);
+        bent
+    }
+
+    /// Makes room for a problem of which one path was exchanged, or for the next that was: nothing is allocated where they are as
+    /// large. What was solved holds no longer.
+    pub fn fit(&mut self, problem: &Compliance, factor: &ComplianceFactor) {
+        if self.residual.len() != problem.layout.size {
+            self.scratch = factor.scratch();
         }
+        let counts = || problem.loads.iter().map(|loads| loads.nodes.len());
+        self.starts.clear();
+        self.starts.push(0);
+        self.starts.extend(counts().scan(0, |next, count| {
+            *next += count;
+            Some(*next)
+        }));
+        let (rows, size, nodes) = (problem.rows.len(), problem.layout.size, counts().sum());
+        self.lambda.resize(rows, TwoPart::default());
+        self.unknowns.resize(size, TwoPart::default());
+        self.residual.resize(size, c64::default());
+        self.values.resize(rows, c64::default());
+        self.loads.resize(nodes, Load::default());
+        self.states.resize(nodes, State::default());
+        self.forces.resize(counts().max().unwrap_or(0), TwoPart::default());
+        self.origins.resize(problem.loads.len(), State::default());
     }
 
     /// Solves for one target a row. Cost: by rows, but for one pass over the points where motions are free.

@@ -178,3 +178,69 @@ proptest! {
         prop_assert!(apart <= (SKETCHES.0 * energy).max(SKETCHES.1), "{} or {energy}", sketch.energy);
     }
 }
+
+/// Factors of all segments of a path.
+fn bends(bent: &Bent, system: &Compliance, path: usize) -> Vec<c64> {
+    let mut factors = Vec::new();
+    bent.expand(system, path, |_, _, factor| factors.push(factor));
+    factors
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 96, ..ProptestConfig::default() })]
+
+    /// Bounds hold, and where only a little changes they are little.
+    #[test]
+    fn bends_are_compared_without_drawing_them(
+        problem in problem(),
+        moved in prop::collection::vec(point(), 160),
+        by in prop_oneof![Just(0.0), Just(1e-6), 1e-3..1.0_f64],
+    ) {
+        let system = Compliance::new(problem.paths.clone(), problem.rows.clone());
+        let factor = system.analyse().expect("a sound problem").factor(&system);
+        prop_assume!(factor.is_ok(), "hard rows depend on each other");
+        let factor = factor.expect("just seen");
+        let solved = |targets: &[c64]| {
+            let mut bent = Bent::new(&system, &factor);
+            bent.solve(&system, &factor, targets).ok().map(|report| (bent, report.energy))
+        };
+        // What rows see of points that move by no more than `by`, in some direction.
+        let seen = |row: usize| problem.rows[row].terms.iter().map(|term| term.2.norm()).sum::<f64>() * by;
+        let direction = |row: usize| moved[row] / moved[row].norm().max(1e-9);
+        let targets: Vec<c64> =
+            (0..problem.rows.len()).map(|row| problem.targets[row] + seen(row) * direction(row)).collect();
+        let (own, its) = (solved(&problem.targets), solved(&targets));
+        prop_assume!(own.is_some() && its.is_some());
+        let ((own, energy), (its, other)) = (own.expect("just seen"), its.expect("just seen"));
+        for path in 0..problem.paths.len() {
+            let (factors, others) = (bends(&own, &system, path), bends(&its, &system, path));
+            let size = factors.iter().chain(&others).map(|z| z.norm()).fold(1.0, f64::max);
+            let mut next = 0;
+            let told = own.compare(&system, (&its, &system), path, |range, likeness| {
+                assert_eq!(range.start, next, "ranges come in order");
+                next = range.end;
+                for j in range {
+                    let (apart, bent) = ((factors[j] - others[j]).norm(), (factors[j] - likeness.factor).norm());
+                    assert!(apart <= likeness.apart + 1e-7 * size, "path {path} segment {j}: {apart} is more than {}", likeness.apart);
+                    assert!(bent <= likeness.bend() + 1e-7 * size, "path {path} segment {j}: {bent} is more than {}", likeness.bend());
+                    assert!(by > 0.0 || likeness.apart == 0.0, "nothing changed");
+                }
+            });
+            prop_assert!(told && next == POINTS);
+        }
+        let work = own.work(&system, problem.rows.len(), |_| by);
+        prop_assert!(other >= energy - work - 1e-7 * (energy + other), "{energy} fell to {other} by more than {work}");
+        prop_assert_eq!(own.work(&system, problem.rows.len(), |_| 0.0), 0.0);
+    }
+
+    #[test]
+    fn other_springs_are_not_compared(problem in problem()) {
+        let system = Compliance::new(problem.paths.clone(), problem.rows.clone());
+        let again = Compliance::new(problem.paths.clone(), problem.rows.clone());
+        let factor = system.analyse().expect("a sound problem").factor(&system);
+        prop_assume!(factor.is_ok(), "hard rows depend on each other");
+        let factor = factor.expect("just seen");
+        let bent = Bent::new(&system, &factor);
+        prop_assert!(!bent.compare(&system, (&bent, &again), 0, |_, _| panic!("other springs")));
+    }
+}

@@ -2,6 +2,8 @@
 
 use std::sync::{Arc, Mutex, PoisonError};
 
+use cotillion_solvers::Bent;
+
 use crate::edit::facing::Body;
 use crate::edit::turned::TurnedPath;
 use crate::geometry::c64;
@@ -10,6 +12,8 @@ use crate::path::RestPath;
 /// What the solve of a group draws on.
 #[derive(Default)]
 pub struct Canvas {
+    /// Solutions of the shape and of the scale phase.
+    pub bent: [Option<Bent>; 2],
     /// Paths after the shape phase.
     pub shaped: Vec<Vec<c64>>,
     /// Rest segments turned as in the shape phase.

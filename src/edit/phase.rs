@@ -6,7 +6,7 @@
 use std::ops::Range;
 
 use cotillion_solvers::{
-    Dependency, Drawing, Effort, KktError, Likeness, PathResponse, PointRow, RowMatrix, analyse_rank,
+    Bent, Dependency, Drawing, Effort, KktError, Likeness, PathResponse, PointRow, RowMatrix, analyse_rank,
 };
 
 use crate::edit::bound_rows::BoundRows;
@@ -38,6 +38,8 @@ pub struct PhaseSolver {
     hard_deviations: Vec<c64>,
     kept_deviations: Vec<c64>,
     reduced: Option<ReducedPhase>,
+    /// The last solution of the reduced system, or memory for the first.
+    pub bent: Option<Bent>,
     /// In place of the reduced system where that cannot express the paths or cannot be solved; made when first needed.
     direct: Option<Box<DirectPhase>>,
     /// What was asked for.
@@ -69,6 +71,7 @@ impl PhaseSolver {
             answer: if reduced.is_some() { Backend::Reduced } else { Backend::Direct },
             backend,
             reduced,
+            bent: None,
             direct: None,
             deviations: vec![c64::default(); rows.len()],
             hard_deviations: vec![c64::default(); hard.len()],
@@ -93,6 +96,7 @@ impl PhaseSolver {
             hard_deviations: Vec::new(),
             kept_deviations: Vec::new(),
             reduced: None,
+            bent: None,
             direct: None,
             backend: Backend::Reduced,
             answer: Backend::Direct,
@@ -165,7 +169,8 @@ impl PhaseSolver {
     pub fn solve(&mut self, freedom: Freedom, settings: &SpatialSettings) -> Result<(), KktError> {
         self.factor(freedom, settings)?;
         self.answer = Backend::Direct;
-        if self.reduced.as_mut().is_some_and(|reduced| reduced.solve(&self.kept_deviations)) {
+        let Self { reduced, bent, kept_deviations, .. } = self;
+        if reduced.as_mut().is_some_and(|reduced| reduced.solve(kept_deviations, bent)) {
             self.answer = Backend::Reduced;
             return Ok(());
         }
@@ -174,11 +179,16 @@ impl PhaseSolver {
         direct.solve(&self.kept_rows, &self.kept_deviations)
     }
 
+    /// The reduced system and its solution, where that is the present one.
+    fn told(&self) -> Option<(&ReducedPhase, &Bent)> {
+        self.reduced.as_ref().filter(|_| self.answer == Backend::Reduced).zip(self.bent.as_ref())
+    }
+
     /// Fills in the points of a path: reference plus deviation.
     pub fn points(&self, path: usize, reference: impl Fn(usize) -> c64, points: &mut [c64]) {
         let fill = |frame: usize, deviation: c64| points[frame] = reference(frame) + deviation;
-        match (&self.reduced, &self.direct) {
-            (Some(reduced), _) if self.answer == Backend::Reduced => reduced.visit(path, fill),
+        match (self.told(), &self.direct) {
+            (Some((reduced, bent)), _) => reduced.visit(bent, path, fill),
             (_, Some(direct)) => direct.visit(path, fill),
             _ => {}
         }
@@ -186,27 +196,25 @@ impl PhaseSolver {
 
     /// Draws a path of deviations as springs give it; `false` where another system answered.
     pub fn draw(&self, path: usize, drawing: &mut impl Drawing) -> bool {
-        let reduced = self.reduced.as_ref().filter(|_| self.answer == Backend::Reduced);
-        reduced.map(|reduced| reduced.draw(path, drawing)).is_some()
+        self.told().map(|(reduced, bent)| reduced.draw(bent, path, drawing)).is_some()
     }
 
     /// Compares a path of deviations with that of another solution of the same springs: ranges of frames, and how far the segments
     /// after them are apart; `false` where springs do not tell.
     pub fn compare(&self, other: &Self, path: usize, visit: impl FnMut(Range<usize>, Likeness)) -> bool {
-        let told = [self, other].map(|own| own.reduced.as_ref().filter(|_| own.answer == Backend::Reduced));
-        let [Some(own), Some(its)] = told else { return false };
-        own.compare(its, path, visit)
+        let (Some((reduced, bent)), Some(other)) = (self.told(), other.told()) else { return false };
+        reduced.compare(bent, other, path, visit)
     }
 
     /// By how much the energy may be less, at most, where the points of path p that targets were measured by are off by `by(p)`, m.
     pub fn work(&self, by: impl Fn(usize) -> f64) -> f64 {
-        self.reduced.as_ref().map_or(0.0, |reduced| reduced.work(self.kept.len(), by))
+        self.told().map_or(0.0, |(reduced, bent)| reduced.work(bent, self.kept.len(), by))
     }
 
     /// Energies of the interior rows and of the soft held rows.
     pub fn energies(&self) -> (f64, f64) {
-        match (&self.reduced, &self.direct) {
-            (Some(reduced), _) if self.answer == Backend::Reduced => reduced.energies(),
+        match (self.told(), &self.direct) {
+            (Some((reduced, bent)), _) => reduced.energies(bent),
             (_, Some(direct)) => direct.energies(),
             _ => (0.0, 0.0),
         }
@@ -248,6 +256,7 @@ impl PhaseSolver {
             hard_deviations: self.hard_deviations.clone(),
             kept_deviations: self.kept_deviations.clone(),
             reduced: Some(reduced),
+            bent: None,
             direct: None,
             backend: Backend::Reduced,
             answer: Backend::Reduced,

@@ -19,7 +19,7 @@ use crate::geometry::c64;
 pub struct ReducedPhase {
     problem: Compliance,
     analysis: Option<ComplianceAnalysis>,
-    factor: Option<(ComplianceFactor, Bent)>,
+    factor: Option<ComplianceFactor>,
     /// Of held rows, then of rigid stretches, which are 0.
     targets: Vec<c64>,
     /// Of solves.
@@ -53,9 +53,7 @@ impl ReducedPhase {
     pub fn factor(&mut self) -> Result<(), KktError> {
         if self.factor.is_none() {
             let analysis = self.analysis()?;
-            let factor = analysis.factor(&self.problem)?;
-            let bent = Bent::new(&self.problem, &factor);
-            self.factor = Some((factor, bent));
+            self.factor = Some(analysis.factor(&self.problem)?);
         }
         Ok(())
     }
@@ -75,50 +73,52 @@ impl ReducedPhase {
         self.analysis.clone_from(&before.analysis);
     }
 
-    /// Solves for one target a held row; whether the solution is good to rounding. It is not where rows that are many, stiff
-    /// and close together depend on each other nearly.
-    pub fn solve(&mut self, targets: &[c64]) -> bool {
+    /// Solves for one target a held row, with the memory of an earlier solve, if there was one; whether the solution is good to
+    /// rounding. It is not where rows that are many, stiff and close together depend on each other nearly.
+    pub fn solve(&mut self, targets: &[c64], memory: &mut Option<Bent>) -> bool {
         self.targets[..targets.len()].copy_from_slice(targets);
-        let Some((factor, bent)) = &mut self.factor else { return false };
+        let Some(factor) = &self.factor else { return false };
+        let bent = memory.get_or_insert_with(|| Bent::new(&self.problem, factor));
+        bent.fit(&self.problem, factor);
         let solved = bent.solve_to(self.effort, (&self.problem, factor), &self.targets);
         solved.is_ok() && bent.settled()
     }
 
     /// Calls `visit` with every frame of a path and its deviation.
-    pub fn visit(&self, path: usize, mut visit: impl FnMut(usize, c64)) {
-        if let Some((_, bent)) = &self.factor {
-            bent.expand(&self.problem, path, |frame, x, _| visit(frame, x));
-        }
+    pub fn visit(&self, bent: &Bent, path: usize, mut visit: impl FnMut(usize, c64)) {
+        bent.expand(&self.problem, path, |frame, x, _| visit(frame, x));
     }
 
     /// Draws a path of deviations.
-    pub fn draw(&self, path: usize, drawing: &mut impl Drawing) {
-        if let Some((_, bent)) = &self.factor {
-            bent.draw(&self.problem, path, drawing);
-        }
+    pub fn draw(&self, bent: &Bent, path: usize, drawing: &mut impl Drawing) {
+        bent.draw(&self.problem, path, drawing);
     }
 
     /// Compares a path with that of another solution, see [`Bent::compare`].
-    pub fn compare(&self, other: &Self, path: usize, visit: impl FnMut(Range<usize>, Likeness)) -> bool {
-        let (Some((_, own)), Some((_, its))) = (&self.factor, &other.factor) else { return false };
-        own.compare(&self.problem, (its, &other.problem), path, visit)
+    pub fn compare(
+        &self,
+        bent: &Bent,
+        (other, its): (&Self, &Bent),
+        path: usize,
+        visit: impl FnMut(Range<usize>, Likeness),
+    ) -> bool {
+        bent.compare(&self.problem, (its, &other.problem), path, visit)
     }
 
     /// See [`Bent::work`]; `rows`: how many held rows there are.
-    pub fn work(&self, rows: usize, by: impl Fn(usize) -> f64) -> f64 {
-        self.factor.as_ref().map_or(0.0, |(_, bent)| bent.work(&self.problem, rows, by))
+    pub fn work(&self, bent: &Bent, rows: usize, by: impl Fn(usize) -> f64) -> f64 {
+        bent.work(&self.problem, rows, by)
     }
 
     /// Energies of the springs and of the soft held rows.
-    pub fn energies(&self) -> (f64, f64) {
-        let of = |(_, bent): &(_, Bent)| (bent.spring_energy(), bent.soft_energy(&self.problem));
-        self.factor.as_ref().map_or((0.0, 0.0), of)
+    pub fn energies(&self, bent: &Bent) -> (f64, f64) {
+        (bent.spring_energy(), bent.soft_energy(&self.problem))
     }
 
     /// How path `path` answers to changes of itself; `None` where the system is not factored, or leaves motions free that a
     /// changed path might not.
     pub fn response(&self, path: usize) -> Option<PathResponse> {
-        let (factor, _) = self.factor.as_ref().filter(|_| self.problem.free_motions() == 0)?;
+        let factor = self.factor.as_ref().filter(|_| self.problem.free_motions() == 0)?;
         Some(PathResponse::new(&self.problem, factor, path))
     }
 
@@ -132,22 +132,15 @@ impl ReducedPhase {
         rows: &BoundRows,
         (response, before): (&PathResponse, Option<&Self>),
     ) -> Option<Self> {
-        let (factor, _) = self.factor.as_ref()?;
+        let factor = self.factor.as_ref()?;
         let run_rows = run_rows(freedom);
         let targets = self.targets.clone();
         let run_rows = run_rows.iter().map(|row| (row.terms.as_slice(), row.weight));
         let rows = rows.iter().chain(run_rows);
         let problem = self.problem.with_path(path, springs, rows, before.map(|before| &before.problem))?;
-        let before = before.and_then(|before| before.factor.as_ref()).map(|(factor, _)| factor);
+        let before = before.and_then(|before| before.factor.as_ref());
         let factor = response.factor((&self.problem, factor), &problem, before).ok()?;
-        let bent = Bent::new(&problem, &factor);
-        Some(Self {
-            problem,
-            analysis: None,
-            factor: Some((factor, bent)),
-            targets,
-            effort: Effort::Estimate,
-        })
+        Some(Self { problem, analysis: None, factor: Some(factor), targets, effort: Effort::Estimate })
     }
 
     /// Free motions fixed as at rest.

@@ -236,7 +236,7 @@ impl SpatialComponent {
     ///
     /// # Errors
     /// As [`SpatialComponent::solve`].
-    pub fn solve_below(&mut self, most: f64, like: Option<Like>) -> Result<Solved, SpatialError> {
+    pub(super) fn solve_below(&mut self, most: f64, like: Option<Like>) -> Result<Solved, SpatialError> {
         self.release(Vec::new());
         loop {
             match self.attempt(most, like)? {
@@ -254,7 +254,7 @@ impl SpatialComponent {
     ///
     /// # Errors
     /// As [`SpatialComponent::solve`].
-    pub fn go_on(&mut self, most: f64, like: Option<Like>) -> Result<Solved, SpatialError> {
+    pub(super) fn go_on(&mut self, most: f64, like: Option<Like>) -> Result<Solved, SpatialError> {
         match self.solve_scale(most, like)? {
             None => Ok(Solved::Both),
             Some(Attempt::Ended(solved)) => Ok(solved),
@@ -340,7 +340,9 @@ impl SpatialComponent {
         solved.map_err(|error| SpatialError::Solver(Phase::Scale, error))?;
         (self.energy.scale, self.energy.scale_soft) = self.scale.energies();
         self.alike.energy = self.energy_apart();
-        if self.energy.shape + self.energy.shape_soft + self.energy.scale > most + self.alike.energy {
+        // Of what targets that are off leave, only the energy with its residuals has a bound.
+        let told = self.alike.energy == 0.0;
+        if told && self.energy.shape + self.energy.shape_soft + self.energy.scale > most {
             return Ok(Some(Attempt::Ended(Solved::TooMuchInAll)));
         }
         if self.lengths_only {

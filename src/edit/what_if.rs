@@ -106,6 +106,8 @@ pub fn on_canvas<T>(
 
 /// Gives a group a canvas, or takes it away again.
 fn swap(canvas: &mut Canvas, group: &mut SpatialComponent) {
+    std::mem::swap(&mut canvas.bent[0], &mut group.shape.bent);
+    std::mem::swap(&mut canvas.bent[1], &mut group.scale.bent);
     std::mem::swap(&mut canvas.shaped, &mut group.shaped);
     std::mem::swap(&mut canvas.turned, &mut group.turned);
     std::mem::swap(&mut canvas.edited, &mut group.edited);
@@ -125,7 +127,10 @@ pub fn complete(
     let settings = own.settings;
     let freedom = freedom((&own.rests, &[]), Phase::Scale, &settings, &[]);
     let path = (response.path, freedom, other);
-    own.scale = group.scale.exchanged(path, &own.held, &settings, (&response.phases[1], Some(&own.scale)))?;
+    let mut scale =
+        group.scale.exchanged(path, &own.held, &settings, (&response.phases[1], Some(&own.scale)))?;
+    scale.bent = own.scale.bent.take();
+    own.scale = scale;
     set_effort(own, effort);
     own.lacks_scale = false;
     Some(())

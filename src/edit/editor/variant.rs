@@ -184,8 +184,9 @@ impl Editor {
     }
 
     /// [`Editor::energy_of`] to ten digits, for the present targets; `None` where the exchange does not tell. It is sketched
-    /// first, and given up where it is surely more than `most`; `least`: what it is at least. Cost: linear in the frames of
-    /// the group.
+    /// first, with the present paths where these hardly change, and given up where it is surely more than `most`; `least`: what it
+    /// is at least. Cost: linear in the rows of the group and the frames of the paths that change, in all its frames where it is
+    /// not given up.
     pub fn energy_if(
         &self,
         whom: (&Variant, &Timing),

@@ -14,32 +14,32 @@ const SHORTEST: f64 = 0.1;
 
 /// Another solution of the same group, and how near to it paths count as the same.
 #[derive(Clone, Copy)]
-pub struct Like<'a> {
+pub(in crate::edit) struct Like<'a> {
     /// The solution.
-    pub group: &'a SpatialComponent,
+    pub(in crate::edit) group: &'a SpatialComponent,
     /// How far paths may be apart, and their lengths, metres.
-    pub within: f64,
+    pub(in crate::edit) within: f64,
 }
 
 /// Paths that are taken from another solution.
 #[derive(Default)]
-pub struct Alike {
+pub(in crate::edit) struct Alike {
     /// By how much each is off after the shape phase, metres; `None` where it is drawn. Empty: all are.
     paths: Vec<Option<f64>>,
     /// By how much the lengths of all paths are off at most, metres, besides what follows from the energy.
-    pub metres: f64,
+    pub(in crate::edit) metres: f64,
     /// By how much the energy of the scale phase is less at most, m².
-    pub energy: f64,
+    pub(in crate::edit) energy: f64,
 }
 
 impl Alike {
     /// By how much a path is off, metres; `None` where it was drawn.
-    pub fn apart(&self, path: usize) -> Option<f64> {
+    pub(super) fn apart(&self, path: usize) -> Option<f64> {
         self.paths.get(path).copied().flatten()
     }
 
     /// What is known of a path: here, or there where it is about the same.
-    pub fn pick<'a, T>(&self, path: usize, own: &'a [T], its: Option<&'a [T]>) -> &'a T {
+    pub(super) fn pick<'a, T>(&self, path: usize, own: &'a [T], its: Option<&'a [T]>) -> &'a T {
         match (self.apart(path), its) {
             (Some(_), Some(its)) => &its[path],
             _ => &own[path],
@@ -122,4 +122,162 @@ fn reach(prepared: &Prepared) -> f64 {
     let looked = prepared.at.map_or(c64::default(), |direction| direction.rest);
     let details = [hold.at().detail, hold.to().map_or(c64::default(), |to| to.detail)];
     [looked, offset, details[0], details[1]].iter().map(|arm| arm.norm_sqr().sqrt()).sum()
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Arc;
+
+    use cotillion_solvers::Effort;
+    use proptest::prelude::*;
+
+    use super::*;
+    use crate::constraint::Strength;
+    use crate::edit::hold::{HeldRow, Place};
+    use crate::edit::own_path::OwnPath;
+    use crate::edit::settings::{Backend, SpatialSettings};
+    use crate::edit::spatial::Solved;
+    use crate::edit::what_if::{complete, exchanged, on_canvas, response, set_effort};
+    use crate::index::ConstraintId;
+    use crate::path::RestPath;
+
+    /// Frames of walks and stands, in turn.
+    const FRAMES: [usize; 5] = [30, 15, 40, 15, 30];
+    /// Middles of the stands.
+    const MEETINGS: [f64; 2] = [37.0, 92.0];
+    /// How many paths there are; one in the middle is exchanged.
+    const PATHS: usize = 9;
+
+    /// A walk with two stands. `pace`: metres a frame; `turn`: radians a frame.
+    fn walk(pace: f64, turn: f64) -> RestPath {
+        let (mut at, mut heading, mut path) = (c64::default(), 0.0_f64, RestPath::default());
+        for (stretch, frames) in FRAMES.into_iter().enumerate() {
+            let first = path.positions.len();
+            let stands = stretch % 2 == 1;
+            for _ in 0..frames {
+                path.positions.push(at);
+                path.headings.push(heading);
+                at += c64::from_polar(if stands { 1e-3 } else { pace }, heading);
+                heading += turn;
+            }
+            if stands {
+                path.rigid.push((first, path.positions.len() - 1));
+            }
+        }
+        path
+    }
+
+    /// Walks that begin so that everybody's first stand is where the second one of the walk before is.
+    fn chain(walks: &[(f64, f64)]) -> Vec<Arc<RestPath>> {
+        let mut meeting = c64::default();
+        let mut place = |(pace, turn): &(f64, f64)| {
+            let mut walk = walk(*pace, *turn);
+            let [first, second] = MEETINGS.map(|frame| crate::path::at(&walk.positions, frame));
+            walk.positions.iter_mut().for_each(|point| *point += meeting - first);
+            meeting += second - first;
+            Arc::new(walk)
+        };
+        walks.iter().map(&mut place).collect()
+    }
+
+    /// Everybody's second stand is beside the next one's first; where they begin and the end of the chain is pinned, the last `moved`.
+    fn rows(rests: &[Arc<RestPath>], moved: c64) -> Vec<Prepared> {
+        let place = |path: usize, frame: f64| Place { path, frame, heading: 0.0, detail: c64::new(0.0, 0.3) };
+        let pin = |at: Place, by: c64| Hold::Position {
+            at: Place { detail: c64::default(), ..at },
+            target: crate::path::at(&rests[at.path].positions, at.frame) + by,
+        };
+        let last = (rests[PATHS - 1].len() - 1) as f64;
+        let mut holds = vec![pin(place(PATHS - 1, last), moved)];
+        holds.extend((0..PATHS).map(|path| pin(place(path, 0.0), c64::default())));
+        for path in 1..PATHS {
+            let (at, to) = (place(path, MEETINGS[0]), place(path - 1, MEETINGS[1]));
+            holds.push(Hold::Offset { at, to, offset: c64::new(0.5, 0.2) });
+            holds.push(Hold::RelativeFacing { at, to, angle: 0.4 });
+        }
+        let row = |(index, hold): (usize, Hold)| {
+            let constraint = ConstraintId::from_usize(index);
+            let strength = if index == 0 { Strength::Soft(5.0) } else { Strength::Hard };
+            Prepared::new(HeldRow { constraint, strength, hold }, rests, SpatialSettings::PRODUCTION.baseline)
+        };
+        holds.into_iter().enumerate().map(row).collect()
+    }
+
+    /// Lengths and energy of the scale phase with its residuals of what a chain of walks becomes if one of them goes at another pace:
+    /// drawn, and like the chain as it is; with what the second is off by, and how many paths it took from there.
+    struct Both {
+        drawn: (Vec<f64>, f64),
+        like: (Vec<f64>, f64),
+        off: (f64, f64),
+        taken: usize,
+    }
+
+    fn both(
+        walks: &[(f64, f64)],
+        moved: c64,
+        other: f64,
+        within: f64,
+        settings: SpatialSettings,
+    ) -> Option<Both> {
+        let rests = chain(walks);
+        let held = rows(&rests, moved);
+        let mut present = SpatialComponent::new(rests.clone(), held, settings, Backend::Reduced);
+        present.solve().ok()?;
+        let changed = PATHS / 2;
+        let answers = response(&present, changed)?;
+        let own = {
+            let mut walk = walk(walks[changed].0 * other, walks[changed].1);
+            walk.positions.iter_mut().for_each(|point| *point += rests[changed].positions[0]);
+            Arc::new(OwnPath::new(walk))
+        };
+        let mut all = rests;
+        all[changed] = Arc::clone(&own.rest);
+        let mut group = exchanged(&present, &answers, (&own, None), rows(&all, moved))?;
+        on_canvas(&answers, &mut group, |group| {
+            let mut solve = |like: Option<Like>| {
+                set_effort(group, Effort::Estimate);
+                let mut solved = group.solve_below(f64::INFINITY, like).ok()?;
+                if solved == Solved::LacksScale {
+                    complete(&present, &answers, (group, &own, Effort::Estimate))?;
+                    solved = group.go_on(f64::INFINITY, like).ok()?;
+                }
+                assert_eq!(solved, Solved::Both);
+                let lengths: Vec<f64> = group.bodies.iter().map(|body| body.length).collect();
+                Some((lengths, group.energy.scale + group.energy.scale_soft))
+            };
+            let drawn = solve(None)?;
+            let like = solve(Some(Like { group: &present, within }))?;
+            let taken = (0..PATHS).filter(|path| group.alike.apart(*path).is_some()).count();
+            Some(Both { drawn, like, off: (group.alike.metres, group.alike.energy), taken })
+        })
+    }
+
+    proptest! {
+        #[test]
+        fn what_is_taken_is_off_by_no_more_than_is_said(
+            walks in prop::collection::vec((0.03..0.06_f64, -0.02..0.02_f64), PATHS),
+            moved in (-1.0..1.0_f64, -1.0..1.0_f64),
+            other in 0.7..1.4_f64,
+            within in prop::sample::select(vec![1.0, 1e-1, 1e-2, 1e-4]),
+            paper in any::<bool>(),
+        ) {
+            let settings = if paper { SpatialSettings::PAPER } else { SpatialSettings::PRODUCTION };
+            let told = both(&walks, c64::new(moved.0, moved.1), other, within, settings);
+            prop_assume!(told.is_some());
+            let Both { drawn, like, off, taken } = told.expect("just seen");
+            let apart: f64 = drawn.0.iter().zip(&like.0).map(|(a, b)| (a - b).abs()).sum();
+            // Lengths follow from the energy's residuals, too: see `PER_METRE`.
+            prop_assert!(apart <= 2.0 * off.0 + 1e-9, "lengths are {apart} off, said to be {off:?}, {taken} taken");
+            prop_assert!(drawn.1 >= like.1 - off.1 - 1e-9 * like.1, "{} is less than {} by more than {}", drawn.1, like.1, off.1);
+            prop_assert!(taken < PATHS, "the path that was exchanged is drawn");
+            prop_assert!(taken > 0 || off == (0.0, 0.0));
+        }
+    }
+
+    #[test]
+    fn paths_far_down_the_chain_are_taken_and_those_near_are_drawn() {
+        let both = both(&[(0.045, 0.01); PATHS], c64::new(0.5, 0.0), 1.1, 1e-1, SpatialSettings::PRODUCTION);
+        let both = both.expect("an exchange");
+        assert!((2..PATHS - 2).contains(&both.taken), "{} taken", both.taken);
+    }
 }
