@@ -271,6 +271,21 @@ fn the_end_of_the_spiral_of_78_dragged_by_ten_metres_adds_steps_and_keeps_every_
 }
 
 #[test]
+fn an_edit_that_asks_for_nothing_changes_nothing() {
+    /// Half a second of everybody's in all: beginnings and tracks fit each other to the frame.
+    const ENERGY: f64 = 0.25;
+    for along in [Along::Spiral, Along::Line, Along::Circle] {
+        for seed in 1..=12 {
+            let asked = Relay { characters: 40, boxes: 4, discrete: true, seed, along: along.clone(), ..small() };
+            let (outcome, _) = dragged(load(&written(&asked)).scene);
+            assert!(outcome.log.is_empty(), "{along:?}, seed {seed}: {:?}", outcome.log);
+            let duration = outcome.edit.energy.duration;
+            assert!(duration < ENERGY, "{along:?}, seed {seed}: {duration}");
+        }
+    }
+}
+
+#[test]
 fn an_end_dragged_back_loses_steps_and_keeps_every_hand_over() {
     let asked = Relay {
         discrete: true,

@@ -244,7 +244,7 @@ impl Clips<'_> {
             }
             Part::Middle(_) | Part::Last(_) => {
                 if carrier.comes {
-                    let there = carrier.sets_off - carrier.turning - self.acts.take_over.seconds();
+                    let there = carrier.takes - self.acts.take_over.event("grasp") as f64 / FPS;
                     knots.extend([(there - self.acts.come.seconds(), carrier.start.position), (there, take)]);
                 }
                 knots.extend(way);
@@ -267,8 +267,7 @@ impl Clips<'_> {
             }
             Disturbance::Pat => {
                 let leaves = if disturber.left { &self.left } else { &self.right };
-                let taken = carrier.sets_off - carrier.turning - 0.5 * self.acts.take_over.seconds();
-                let patted = taken - 1.5 * self.acts.wait.seconds();
+                let patted = carrier.takes - 1.5 * self.acts.wait.seconds();
                 vec![course(&[&self.pat, leaves], (0, self.pat.event("hit")), disturber.start, patted)]
             }
             Disturbance::Jump => {

@@ -28,8 +28,8 @@ pub enum Part {
 pub struct Back {
     /// Turns on the spot so many degrees, to face who brings it; not at all where the walk ends so.
     pub facing: Option<i32>,
-    /// Waits so long, seconds, in halves.
-    pub wait: f64,
+    /// Waits so long, frames.
+    pub wait: usize,
     /// Position of its way back in [`Acts::backs`].
     pub walk: usize,
 }
@@ -53,12 +53,12 @@ pub struct Carrier {
     pub stature: f64,
     /// Position of its way with the box in [`Acts::carries`].
     pub walk: usize,
-    /// When it sets off with the box, seconds, as clips last.
+    /// When it takes the box or picks it up, seconds, by its clips strung together.
+    pub takes: f64,
+    /// When it sets off with it: where the first frame of its way is, or would be were it not dropped.
     pub sets_off: f64,
     /// When it lets the box go.
     pub gives: f64,
-    /// So long it turns about with the box, seconds.
-    pub turning: f64,
 }
 
 /// The clips of a relay that all its tracks share.
@@ -259,7 +259,7 @@ fn chain(
         let part = match before {
             None => Part::First,
             Some(_) if starts => {
-                Part::Between(Back { facing: back_turn(facing, take.facing), wait: 1.0, walk: 0 })
+                Part::Between(Back { facing: back_turn(facing, take.facing), wait: 0, walk: 0 })
             }
             Some(_) if n + 1 == count => Part::Last(turned),
             Some(_) => Part::Middle(turned),
@@ -267,7 +267,7 @@ fn chain(
         let comes =
             below(3, relay.seed, Choice::Coming, n) == 0 && matches!(part, Part::Middle(_) | Part::Last(_));
         let start = start(part, (take, give), comes, acts);
-        let (walk, [sets_off, gives, turning]) = (0, [0.0; 3]);
+        let (walk, [takes, sets_off, gives]) = (0, [0.0; 3]);
         carriers.push(Carrier {
             part,
             load,
@@ -277,9 +277,9 @@ fn chain(
             comes,
             stature,
             walk,
+            takes,
             sets_off,
             gives,
-            turning,
         });
     }
     carriers

@@ -19,6 +19,7 @@ pub mod disturbers;
 pub mod drawing;
 pub mod layout;
 pub mod points;
+pub mod strung;
 pub mod style;
 pub mod ways;
 pub mod write;
@@ -233,7 +234,7 @@ pub fn relay(relay: &Relay, command: &str) -> Result<String, RelayError> {
 }
 
 /// The same, and who are in each other's way in it: curves that cross themselves, or come back to where they were, lead people through
-/// people. Nearest to the start first.
+/// people. In the order of who they are: carriers along the curve, then disturbers, each with those after them.
 ///
 /// # Errors
 /// As [`relay`].

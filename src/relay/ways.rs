@@ -1,10 +1,14 @@
 //! The walks of carriers, and when they set out on them.
 
 use std::collections::BTreeMap;
+use std::sync::Arc;
 
-use super::acts::{Place, STATURE, Walks, turn};
-use super::layout::{Acts, Carrier, Part};
+use super::acts::{Act, Place, STATURE, Walks, act, turn, turn_name};
+use super::layout::{Acts, Back, Carrier, Part, hundredths};
+use super::strung::{Held, Strung};
+use crate::clip::builtin::FPS;
 use crate::geometry::{c64, cis};
+use crate::index::floor_index;
 
 /// Gives everybody the walks that come nearest to their ways. Those of others are as much longer as who walks is taller.
 pub fn walk(carriers: &mut [Carrier], acts: &mut Acts) {
@@ -40,33 +44,127 @@ fn beside_walk(turned: Option<i32>, acts: &Acts) -> c64 {
     ready.position * cis(-ready.facing) + gives.at(origin, gives.event("release"))
 }
 
-/// When everybody sets off with a box and lets it go, as the clips of all before them last; who is back waits until the box
-/// before comes. `beginnings`: of each box, seconds.
+/// When everybody takes a box, sets off with it and lets it go, by the clips of all before them strung together; who is back waits
+/// until the box before comes, to the frame. `beginnings`: of each box, seconds. Cost: linear in carriers.
 pub fn wait_for_boxes(carriers: &mut [Carrier], beginnings: &[f64], acts: &Acts) {
-    /// From the beginning of a hand-over to its moment, and on to its end: a second each.
-    const HALF: f64 = 1.0;
-    let mut known = BTreeMap::new();
-    let mut turning = |degrees: i32, with_box: bool| -> f64 {
-        *known.entry((degrees, with_box)).or_insert_with(|| turn(degrees, with_box).seconds())
-    };
+    let (mut made, mut strung) = (Made::default(), Strung::default());
     let mut released = 0.0;
     for carrier in carriers {
-        let begins = beginnings[carrier.load];
-        (carrier.sets_off, carrier.turning) = match carrier.part {
-            Part::First | Part::Between(_) => (begins + acts.pick_up.seconds(), 0.0),
-            Part::Middle(turned) | Part::Last(turned) => {
-                let turning = turning(turned, true);
-                (released + HALF + turning, turning)
-            }
-        };
-        carrier.gives = carrier.sets_off + acts.carries[carrier.walk].seconds() + HALF;
-        if let Part::Between(back) = &mut carrier.part {
-            let turned = back.facing.map_or(0.0, |degrees| turning(degrees, false));
-            let way = acts.about.seconds() + acts.backs[back.walk].seconds();
-            let ready = carrier.gives - begins + HALF + way + turned;
-            let before = beginnings[carrier.load - 1];
-            back.wait = (2.0 * (released - before - HALF - ready)).round().max(2.0) / 2.0;
+        carries(carrier, (beginnings[carrier.load], released), acts, (&mut made, &mut strung));
+        if let Part::Between(back) = carrier.part {
+            // From the release of its own box to the grasp of the one before.
+            let needed = ((released - carrier.gives) * FPS).round();
+            let wait = waits(carrier, (back, needed), acts, (&mut made, &mut strung));
+            carrier.part = Part::Between(Back { wait, ..back });
         }
         released = carrier.gives;
+    }
+}
+
+/// Sets when it carries its box. Its clips begin when the box does, or as the one before lets the box go.
+fn carries(
+    carrier: &mut Carrier,
+    (beginning, released): (f64, f64),
+    acts: &Acts,
+    (made, strung): (&mut Made, &mut Strung),
+) {
+    let turned = match carrier.part {
+        Part::First | Part::Between(_) => None,
+        Part::Middle(degrees) | Part::Last(degrees) => Some(made.turn(degrees, true)),
+    };
+    let gives = if matches!(carrier.part, Part::Last(_)) { &acts.put_down } else { &acts.hand_over };
+    let takes = held(if turned.is_some() { &acts.take_over } else { &acts.pick_up }, "grasp");
+    let (carry, gives) = ((&acts.carries[carrier.walk], None), held(gives, "release"));
+    let turned = turned.as_deref().map(|turn| (turn, None));
+    let way: Vec<Held<'_>> = [Some(takes), turned, Some(carry), Some(gives)].into_iter().flatten().collect();
+    let at = strung.begins(&way, carrier.stature);
+    let begins = if turned.is_some() { released - frame(takes) / FPS } else { beginning };
+    carrier.takes = begins + frame(takes) / FPS;
+    carrier.sets_off = begins + at[at.len() - 2] / FPS;
+    carrier.gives = begins + (at[at.len() - 1] + frame(gives)) / FPS;
+}
+
+/// How long who is back waits, frames, for `needed` frames to be between letting one box go and taking the other.
+fn waits(
+    carrier: &Carrier,
+    (back, needed): (Back, f64),
+    acts: &Acts,
+    (made, strung): (&mut Made, &mut Strung),
+) -> usize {
+    let (gives, takes) = (held(&acts.hand_over, "release"), held(&acts.take_over, "grasp"));
+    let facing = back.facing.map(|degrees| made.turn(degrees, false));
+    fitting_wait(needed, |frames| {
+        let waits: Vec<Arc<Act>> =
+            wait_seconds(frames).into_iter().map(|seconds| made.wait(seconds)).collect();
+        let mut way = vec![gives, (&acts.about, None), (&acts.backs[back.walk], None)];
+        way.extend(facing.iter().chain(&waits).map(|act| (&**act, None)));
+        way.push(takes);
+        strung.begins(&way, carrier.stature)[way.len() - 1] + frame(takes) - frame(gives)
+    })
+}
+
+/// An act with the frame of its event.
+fn held<'a>(act: &'a Act, event: &str) -> Held<'a> {
+    (act, Some(act.event(event)))
+}
+
+/// The frame of an act that stays.
+fn frame((_, held): Held<'_>) -> f64 {
+    held.unwrap_or(0) as f64
+}
+
+/// Frames of waiting for which what `takes` says comes to `needed` frames, or as near as may be. Where clips are cut hangs a little on
+/// how long they are: some tries.
+fn fitting_wait(needed: f64, mut takes: impl FnMut(usize) -> f64) -> usize {
+    const TRIES: usize = 6;
+    let mut wait = SHORTEST_WAIT;
+    let mut best = (f64::INFINITY, wait);
+    for _ in 0..TRIES {
+        let missed = needed - takes(wait);
+        if missed.abs() < best.0 {
+            best = (missed.abs(), wait);
+        }
+        let next = floor_index((wait as f64 + missed).max(SHORTEST_WAIT as f64));
+        if next == wait {
+            break;
+        }
+        wait = next;
+    }
+    best.1
+}
+
+/// Who is back waits no less, frames.
+const SHORTEST_WAIT: usize = 30;
+
+/// Seconds of the clips by which somebody waits so many frames: whole ones, and one or two more to the frame. So some dozens of short
+/// clips make all waits of a crowd.
+pub fn wait_seconds(frames: usize) -> Vec<f64> {
+    let whole = (frames / SECOND).saturating_sub(1);
+    let more = hundredths((frames - whole * SECOND) as f64 / FPS);
+    if whole == 0 { vec![more] } else { vec![whole as f64, more] }
+}
+
+/// Frames.
+const SECOND: usize = 30;
+
+/// Name in the scene of waiting so long.
+pub fn wait_name(seconds: f64) -> String {
+    format!("wait {seconds}")
+}
+
+/// Clips by their names, each made once.
+#[derive(Default)]
+struct Made(BTreeMap<String, Arc<Act>>);
+
+impl Made {
+    fn turn(&mut self, degrees: i32, with_box: bool) -> Arc<Act> {
+        let made = || Arc::new(turn(degrees, with_box));
+        Arc::clone(self.0.entry(turn_name(degrees, with_box)).or_insert_with(made))
+    }
+
+    fn wait(&mut self, seconds: f64) -> Arc<Act> {
+        let name = wait_name(seconds);
+        let made = || Arc::new(act(&name, "idle", &[("seconds", seconds)], &[]));
+        Arc::clone(self.0.entry(name.clone()).or_insert_with(made))
     }
 }

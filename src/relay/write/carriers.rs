@@ -7,6 +7,7 @@ use crate::geometry::cis;
 use crate::relay::Relay;
 use crate::relay::acts::{GRASP, PALMS_APART, STATURE, turn_name};
 use crate::relay::layout::{Carrier, Layout, Part, apart};
+use crate::relay::ways::{wait_name, wait_seconds};
 
 pub(super) fn boxes(layout: &Layout) -> Group {
     let rows = layout.starters.iter().zip(&layout.beginnings).enumerate().map(|(load, (by, beginning))| {
@@ -115,10 +116,11 @@ pub(super) fn between(layout: &Layout) -> Group {
         };
         let walked = layout.acts.backs[back.walk].name.as_str();
         let mut way = vec!["pick up", way(layout, carrier), "hand over", "turn about", walked];
-        let (turned, wait) =
-            (back.facing.map(|degrees| turn_name(degrees, false)), format!("wait {:.1}", back.wait));
+        let turned = back.facing.map(|degrees| turn_name(degrees, false));
+        let waits: Vec<String> = wait_seconds(back.wait).into_iter().map(wait_name).collect();
         way.extend(turned.as_deref());
-        way.extend([wait.as_str(), "take over", "put down", "rest"]);
+        way.extend(waits.iter().map(String::as_str));
+        way.extend(["take over", "put down", "rest"]);
         let track: Vec<String> = way.into_iter().map(quoted).collect();
         Some(vec![
             (n + 1).to_string(),

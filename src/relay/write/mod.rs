@@ -13,6 +13,7 @@ use self::text::{body, group, key};
 use super::acts::{Act, turn};
 use super::disturbers::{aside, jump, pat};
 use super::layout::{Carrier, Layout, Part, disturbed, statures};
+use super::ways::{wait_name, wait_seconds};
 use super::{Along, Disturbance, Relay};
 
 /// The whole file.
@@ -103,7 +104,8 @@ fn clips(relay: &Relay, layout: &Layout) -> String {
         let _ = writeln!(text, "{} = {}", key(&act.name), act.declaration);
     }
     for seconds in waits(layout) {
-        let _ = writeln!(text, "\"wait {seconds}\" = {{ builtin = \"idle\", seconds = {seconds} }}");
+        let name = key(&wait_name(seconds));
+        let _ = writeln!(text, "{name} = {{ builtin = \"idle\", seconds = {seconds} }}");
     }
     let used: BTreeSet<String> = layout
         .carriers
@@ -131,12 +133,16 @@ fn turns(layout: &Layout, with_box: bool) -> BTreeSet<i32> {
     turned.collect()
 }
 
-fn waits(layout: &Layout) -> BTreeSet<String> {
+/// Seconds of all clips of waiting, rising.
+fn waits(layout: &Layout) -> Vec<f64> {
     let waits = layout.carriers.iter().filter_map(|carrier| match carrier.part {
-        Part::Between(back) => Some(format!("{:.1}", back.wait)),
+        Part::Between(back) => Some(wait_seconds(back.wait)),
         _ => None,
     });
-    waits.collect()
+    let mut waits: Vec<f64> = waits.flatten().collect();
+    waits.sort_by(f64::total_cmp);
+    waits.dedup();
+    waits
 }
 
 fn disturbing_clips(layout: &Layout) -> Vec<Act> {
