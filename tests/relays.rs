@@ -276,7 +276,8 @@ fn an_edit_that_asks_for_nothing_changes_nothing() {
     const ENERGY: f64 = 0.25;
     for along in [Along::Spiral, Along::Line, Along::Circle] {
         for seed in 1..=12 {
-            let asked = Relay { characters: 40, boxes: 4, discrete: true, seed, along: along.clone(), ..small() };
+            let asked =
+                Relay { characters: 40, boxes: 4, discrete: true, seed, along: along.clone(), ..small() };
             let (outcome, _) = dragged(load(&written(&asked)).scene);
             assert!(outcome.log.is_empty(), "{along:?}, seed {seed}: {:?}", outcome.log);
             let duration = outcome.edit.energy.duration;

@@ -8,6 +8,7 @@ mod alike;
 mod assembled;
 mod lengths;
 mod rotations;
+mod verdicts;
 
 use std::sync::Arc;
 
@@ -15,7 +16,7 @@ use cotillion_solvers::KktError;
 
 use crate::edit::bodies::leave_to_the_body;
 use crate::edit::canvas::Canvases;
-use crate::edit::clash::{self, Miss};
+use crate::edit::clash::Miss;
 use crate::edit::direction::Direction;
 use crate::edit::facing::{Body, hold_facings};
 use crate::edit::hold::{Phase, Prepared, Rotations};
@@ -373,37 +374,8 @@ impl SpatialComponent {
         let to_middle = |path: usize| centre(shaped(path)) - centre(turned(path));
         asked.into_iter().enumerate().map(|(path, asked)| asked.unwrap_or_else(|| to_middle(path))).collect()
     }
-
-    /// Releases the stationary stretches that the contradicting rows touch; without any, that is a conflict.
-    fn clash(&self, rows: &[usize], miss: f64) -> Result<Attempt, SpatialError> {
-        let clashing: Vec<&Prepared> = rows.iter().map(|row| &self.held[*row]).collect();
-        let mut runs = clash::touched_runs(&self.rests, &clashing);
-        runs.retain(|run| !self.released.contains(run));
-        if !runs.is_empty() && !clash::is_irreducible(&self.rests, &clashing, self.settings.relative) {
-            return Ok(Attempt::Release(runs));
-        }
-        let constraints = unique(clashing.iter().map(|prepared| prepared.row.constraint).collect());
-        Err(SpatialError::Conflict { constraints, miss: clash::miss_of(&clashing, miss) })
-    }
-
-    /// Constraints with hard rows that others imply, in either phase.
-    pub fn redundant(&self) -> Vec<ConstraintId> {
-        let rows = self.shape.redundant().chain(self.scale.redundant());
-        unique(rows.map(|row| self.held[row].row.constraint).collect())
-    }
-
-    /// Number of free motions that were fixed as at rest, in the shape and the scale phase.
-    pub fn gauges(&self) -> (usize, usize) {
-        (self.shape.gauges(), self.scale.gauges())
-    }
 }
 
 fn centre(points: &[c64]) -> c64 {
     points.iter().sum::<c64>() / points.len() as f64
-}
-
-fn unique(mut constraints: Vec<ConstraintId>) -> Vec<ConstraintId> {
-    constraints.sort_unstable();
-    constraints.dedup();
-    constraints
 }

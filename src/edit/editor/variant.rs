@@ -207,9 +207,15 @@ impl Editor {
             let present = &self.spatial[*group].component;
             for within in SKETCHES {
                 let how = (Effort::Sketch, Some(Like { group: present, within }));
-                match self.energy_below(whom, (*group, &mut *component, response), (least, doubtful), how)? {
-                    WhatIf::Energy(energy) if energy.total - off_by(component) <= doubtful => {}
-                    WhatIf::Energy(energy) => return Some(WhatIf::TooMuch(Some(energy.total))),
+                let told =
+                    self.energy_below(whom, (*group, &mut *component, response), (least, doubtful), how)?;
+                let off = off_by(component);
+                match told {
+                    WhatIf::Energy(energy) if energy.total - off > doubtful => {
+                        return Some(WhatIf::TooMuch(Some(energy.total)));
+                    }
+                    WhatIf::Energy(_) if off > 0.0 => {}
+                    WhatIf::Energy(_) => break,
                     given_up => return Some(given_up),
                 }
             }

@@ -2,7 +2,8 @@
 
 use std::sync::Arc;
 
-use super::{Like, SpatialComponent, SpatialError, unique};
+use super::verdicts::unique;
+use super::{Like, SpatialComponent, SpatialError};
 use crate::edit::bodies::{first_disagreement, spread_still_rotations};
 use crate::edit::clash::Miss;
 use crate::edit::direction::Direction;
