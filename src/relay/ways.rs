@@ -114,23 +114,17 @@ fn frame((_, held): Held<'_>) -> f64 {
 }
 
 /// Frames of waiting for which what `takes` says comes to `needed` frames, or as near as may be. Where clips are cut hangs a little on
-/// how long they are: some tries.
+/// how long they are: those about the length that would do without that are tried.
 fn fitting_wait(needed: f64, mut takes: impl FnMut(usize) -> f64) -> usize {
-    const TRIES: usize = 6;
-    let mut wait = SHORTEST_WAIT;
-    let mut best = (f64::INFINITY, wait);
-    for _ in 0..TRIES {
-        let missed = needed - takes(wait);
-        if missed.abs() < best.0 {
-            best = (missed.abs(), wait);
-        }
-        let next = floor_index((wait as f64 + missed).max(SHORTEST_WAIT as f64));
-        if next == wait {
-            break;
-        }
-        wait = next;
-    }
-    best.1
+    /// Frames, either way.
+    const ABOUT: f64 = 15.0;
+    let shortest = SHORTEST_WAIT as f64;
+    let about = shortest + needed - takes(SHORTEST_WAIT);
+    let from = floor_index((about - ABOUT).max(shortest));
+    let to = floor_index((about + ABOUT).max(shortest));
+    let missed = |wait: usize| ((needed - takes(wait)).abs(), wait);
+    let best = (from..=to).map(missed).min_by(|one, other| one.0.total_cmp(&other.0));
+    best.map_or(SHORTEST_WAIT, |(_, wait)| wait)
 }
 
 /// Who is back waits no less, frames.
