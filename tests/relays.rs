@@ -40,19 +40,7 @@ fn spiral() -> Relay {
 }
 
 fn small() -> Relay {
-    Relay {
-        characters: 12,
-        disturbers: None,
-        boxes: 2,
-        spacing: None,
-        heights: (1.64, 1.86),
-        phase: 0.3,
-        disturbances: Disturbance::ALL.to_vec(),
-        discrete: false,
-        drag: None,
-        seed: 4,
-        along: Along::Spiral,
-    }
+    Relay { boxes: 2, seed: 4, along: Along::Spiral, ..Relay::of(12) }
 }
 
 fn written(relay: &Relay) -> String {
@@ -276,7 +264,8 @@ fn an_edit_that_asks_for_nothing_changes_nothing() {
     const ENERGY: f64 = 0.25;
     for along in [Along::Spiral, Along::Line, Along::Circle] {
         for seed in 1..=12 {
-            let asked = Relay { characters: 40, boxes: 4, discrete: true, seed, along: along.clone(), ..small() };
+            let asked =
+                Relay { characters: 40, boxes: 4, discrete: true, seed, along: along.clone(), ..small() };
             let (outcome, _) = dragged(load(&written(&asked)).scene);
             assert!(outcome.log.is_empty(), "{along:?}, seed {seed}: {:?}", outcome.log);
             let duration = outcome.edit.energy.duration;
