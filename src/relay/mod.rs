@@ -332,7 +332,7 @@ pub(crate) mod tests {
         assert_eq!(clashes(spiral()), [""; 0]);
         // The innermost turn of the spiral is shorter than two ways.
         let wide = Relay { characters: 4, boxes: 1, spacing: Some(60.0), ..spiral() };
-        assert_eq!(clashes(wide), ["carrier 1 and carrier 2 are in each other by 0.13 m at 15.3 s"]);
+        assert_eq!(clashes(wide), ["carrier 1 and carrier 2 are in each other by 0.13 m at 15.5 s"]);
         let there_and_back = [(0.0, 0.0), (30.0, 0.0), (30.0, 1.0), (0.0, 1.0)];
         let along = Along::Points(there_and_back.map(|(x, y)| c64::new(x, y)).to_vec());
         let back = clashes(Relay { characters: 24, boxes: 2, along, ..spiral() });
