@@ -135,8 +135,14 @@ const SHORTEST_WAIT: usize = 30;
 pub fn wait_seconds(frames: usize) -> Vec<f64> {
     let whole = (frames / SECOND).saturating_sub(1);
     let more = hundredths((frames - whole * SECOND) as f64 / FPS);
-    if whole == 0 { vec![more] } else { vec![whole as f64, more] }
+    let mut all = vec![LONGEST_WAIT as f64; whole / LONGEST_WAIT];
+    all.extend((whole % LONGEST_WAIT > 0).then_some((whole % LONGEST_WAIT) as f64));
+    all.push(more);
+    all
 }
+
+/// No clip of waiting is longer, seconds; who waits longer performs several.
+const LONGEST_WAIT: usize = 600;
 
 /// Frames.
 const SECOND: usize = 30;
@@ -160,5 +166,27 @@ impl Made {
         let name = wait_name(seconds);
         let made = || Arc::new(act(&name, "idle", &[("seconds", seconds)], &[]));
         Arc::clone(self.0.entry(name.clone()).or_insert_with(made))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::relay::{Along, Relay, relay};
+
+    #[test]
+    fn waits_are_made_of_clips_to_the_frame() {
+        assert_eq!(wait_seconds(30), [1.0]);
+        assert_eq!(wait_seconds(59), [1.97]);
+        assert_eq!(wait_seconds(97), [2.0, 1.23]);
+        assert_eq!(wait_seconds(601 * SECOND), [600.0, 1.0]);
+        assert_eq!(wait_seconds(1300 * SECOND + 1), [600.0, 600.0, 99.0, 1.03]);
+    }
+
+    #[test]
+    fn who_waits_longer_than_any_clip_performs_several() {
+        let asked = Relay { disturbers: Some(0), boxes: 2, along: Along::Line, ..Relay::of(160) };
+        let scene = relay(&asked, "a test").expect("it fits");
+        assert!(scene.contains("\"wait 600\", \"wait "), "80 carriers take some 700 s");
     }
 }
