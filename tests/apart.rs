@@ -18,19 +18,7 @@ const MOST: f64 = 0.08;
 const LOOK: f64 = 0.1;
 
 fn relay(along: Along, characters: usize, seed: u64) -> Relay {
-    Relay {
-        characters,
-        disturbers: None,
-        boxes: characters / 10,
-        spacing: None,
-        heights: (1.64, 1.86),
-        phase: 0.3,
-        disturbances: Disturbance::ALL.to_vec(),
-        discrete: false,
-        drag: None,
-        seed,
-        along,
-    }
+    Relay { boxes: characters / 10, seed, along, ..Relay::of(characters) }
 }
 
 fn solved(asked: &Relay) -> (Scene, Edit) {

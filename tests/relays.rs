@@ -40,19 +40,7 @@ fn spiral() -> Relay {
 }
 
 fn small() -> Relay {
-    Relay {
-        characters: 12,
-        disturbers: None,
-        boxes: 2,
-        spacing: None,
-        heights: (1.64, 1.86),
-        phase: 0.3,
-        disturbances: Disturbance::ALL.to_vec(),
-        discrete: false,
-        drag: None,
-        seed: 4,
-        along: Along::Spiral,
-    }
+    Relay { boxes: 2, seed: 4, along: Along::Spiral, ..Relay::of(12) }
 }
 
 fn written(relay: &Relay) -> String {

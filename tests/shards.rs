@@ -104,6 +104,13 @@ fn merged_shards_have_the_bytes_of_one_run() {
         assert!(!home.path().join("again").exists());
     };
     refused(&["all/first", "all/third"], "these are missing: 2");
+    let glb = home.path().join("all/second/scene-2.glb");
+    let mut changed = fs::read(&glb).expect("a file");
+    let middle = changed.len() / 2;
+    changed[middle] ^= 1;
+    // Written anew: what was merged may be a link to it.
+    fs::remove_file(&glb).and_then(|()| fs::write(&glb, &changed)).expect("a file");
+    refused(&["all"], "scene-2.glb was changed");
     fs::write(home.path().join("all/second/scene-2.glb"), "").expect("a file");
     refused(&["all"], "scene-2.glb has 0 bytes in place of");
     fs::remove_file(home.path().join("all/second/scene-2.glb")).expect("a file");

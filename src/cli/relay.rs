@@ -154,14 +154,9 @@ fn asked(args: &RelayArgs) -> Result<Relay, PlainError> {
         seed: args.seed,
         along: along(&args.along)?,
     };
-    // Where there are too few carriers for any box, that is told later.
-    let most = relay::counts(&relay).map_or(1, |(carriers, _)| relay::most_boxes(carriers));
-    let boxes = args.boxes.unwrap_or((relay.characters / CHARACTERS_PER_BOX).clamp(1, most));
+    let boxes = args.boxes.unwrap_or_else(|| relay.usual_boxes());
     Ok(Relay { boxes, ..relay })
 }
-
-/// Of whom a box is for all, where nobody says how many there are.
-const CHARACTERS_PER_BOX: usize = 10;
 
 fn heights(text: &str) -> Result<(f64, f64), PlainError> {
     let pair = text
@@ -246,4 +241,26 @@ fn command(args: &RelayArgs, asked: &Relay) -> String {
         text += &format!(" --drag {metres}");
     }
     text + &format!(" --seed {}", asked.seed)
+}
+
+#[cfg(test)]
+mod tests {
+    use clap::Parser;
+
+    use super::*;
+
+    #[derive(Parser)]
+    struct Line {
+        #[command(flatten)]
+        args: RelayArgs,
+    }
+
+    #[test]
+    fn what_nobody_asks_for_is_as_in_the_library() {
+        for characters in [2, 9, 12, 78, 1000] {
+            let line = Line::parse_from(["relay", "-n", &characters.to_string()]);
+            let asked = asked(&line.args).unwrap_or_else(|error| panic!("{}", error.message));
+            assert_eq!(asked, Relay::of(characters));
+        }
+    }
 }

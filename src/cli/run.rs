@@ -92,7 +92,7 @@ fn write(order: &Order<'_>, produced: &Produced, staging: Staging) -> Result<(),
     staging.commit()
 }
 
-/// What shapes the files of a shard, and how large they are.
+/// What shapes the files of a shard, how large they are, and their digests. Cost: one pass over them.
 fn files_of_shard(order: &Order<'_>, names: &[String], staging: &Staging) -> Result<ShardFiles, WriteError> {
     let RunArgs { png, png_width, animate, strip, plots, bvh_files, .. } = order.args;
     let asked = [
@@ -107,7 +107,8 @@ fn files_of_shard(order: &Order<'_>, names: &[String], staging: &Staging) -> Res
     options.extend(png.then(|| format!("--png-width {png_width}")));
     options.extend((*order.bvh != BvhOptions::default()).then(|| format!("{:?}", order.bvh)));
     let bytes: Result<Vec<u64>, WriteError> = names.iter().map(|name| staging.size(name)).collect();
-    Ok(ShardFiles { options: options.join(" "), bytes: bytes? })
+    let digests: Result<Vec<String>, WriteError> = names.iter().map(|name| staging.digest(name)).collect();
+    Ok(ShardFiles { options: options.join(" "), bytes: bytes?, digests: digests? })
 }
 
 /// Tells why there are no files.

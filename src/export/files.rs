@@ -2,9 +2,11 @@
 
 use std::collections::HashSet;
 use std::fs;
-use std::io::{self, Write};
+use std::io::{self, Read, Write};
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+
+use sha2::{Digest, Sha256};
 
 use super::aside::{Aside, sweep};
 
@@ -122,6 +124,15 @@ impl Staging {
         fs::metadata(&aside).map(|facts| facts.len()).map_err(failed(&aside))
     }
 
+    /// [`digest`] of a file of the result that has been added.
+    ///
+    /// # Errors
+    /// As [`Self::size`].
+    pub fn digest(&self, name: &str) -> Result<String, WriteError> {
+        let aside = self.aside(name)?;
+        digest(&aside).map_err(failed(&aside))
+    }
+
     /// Where a file of this name is put until it gets its name.
     fn aside(&self, name: &str) -> Result<PathBuf, WriteError> {
         let path = self.folder.join(name);
@@ -188,6 +199,21 @@ impl Pending {
         let left = aside.leave_in(fresh.as_deref().map_or(folder, parent_of));
         fresh.inspect(|fresh| remove_empty(folder, fresh));
         Some(left)
+    }
+}
+
+/// SHA-256 of a file, in hexadecimal digits. Cost: one pass over it.
+///
+/// # Errors
+/// Where it cannot be read.
+pub fn digest(path: &Path) -> io::Result<String> {
+    let mut file = fs::File::open(path)?;
+    let (mut digest, mut some) = (Sha256::new(), vec![0; 1 << 16]);
+    loop {
+        match file.read(&mut some)? {
+            0 => return Ok(digest.finalize().iter().map(|byte| format!("{byte:02x}")).collect()),
+            count => digest.update(&some[..count]),
+        }
     }
 }
 
@@ -307,6 +333,15 @@ mod tests {
         let clash = [file("a/b")];
         assert!(write_all(&deep, &clash).is_err());
         assert!(!home.path().join("deep").exists());
+    }
+
+    #[test]
+    fn digests_are_those_of_the_standard() {
+        let home = tempfile::tempdir().expect("a temporary folder");
+        fs::write(home.path().join("abc"), "abc").expect("a file");
+        // FIPS 180-2, appendix B.1.
+        let expected = "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad";
+        assert_eq!(digest(&home.path().join("abc")).expect("a file"), expected);
     }
 
     #[test]

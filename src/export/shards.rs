@@ -37,9 +37,9 @@ impl Shard {
 }
 
 /// Keys of a shard's report: which one, of how many, whose characters it tells of, of how many, what shapes its files, how many bytes
-/// each of them has, a digest of what all shards have in common, and a report of its characters.
-const KEYS: [&str; 8] =
-    ["shard", "of", "characters", "characters_in_all", "options", "bytes", "common", "report"];
+/// each of them has, and what digest, a digest of what all shards have in common, and a report of its characters.
+const KEYS: [&str; 9] =
+    ["shard", "of", "characters", "characters_in_all", "options", "bytes", "digests", "common", "report"];
 
 /// Keys of a report that are the same in all shards and grow with the scene: only the first shard has them, the others a digest.
 const COMMON: [&str; 3] = ["objects", "moments", "notes"];
@@ -51,6 +51,8 @@ pub struct ShardFiles {
     pub options: String,
     /// Bytes of each, in the order of the report.
     pub bytes: Vec<u64>,
+    /// [`crate::export::files::digest`] of each.
+    pub digests: Vec<String>,
 }
 
 /// The report of a shard. `report`: of a scene, with its own characters alone, and `null` for constraints of which it knows nothing.
@@ -72,25 +74,41 @@ pub fn shard_report(
         }
     }
     let common = digest.finalize().iter().map(|byte| format!("{byte:02x}")).collect::<String>();
-    let values: [Value; 8] = [
+    let values: [Value; 9] = [
         shard.number.into(),
         shard.of.into(),
         characters.into(),
         in_all.into(),
         files.options.into(),
         files.bytes.into(),
+        files.digests.into(),
         common.into(),
         report,
     ];
     KEYS.into_iter().map(str::to_owned).zip(values).collect::<Map<String, Value>>().into()
 }
 
-/// Names of the files of a shard's report, with the bytes that each has.
-pub fn shard_files(shard: &Value) -> Vec<(String, u64)> {
+/// A file of a shard as its report tells of it.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct ToldFile {
+    /// Within the folder of the report.
+    pub name: String,
+    /// How many it has.
+    pub bytes: u64,
+    /// [`crate::export::files::digest`] of it.
+    pub digest: String,
+}
+
+/// The files of a shard's report.
+pub fn shard_files(shard: &Value) -> Vec<ToldFile> {
     let list = |value: &'_ Value| value.as_array().cloned().unwrap_or_default();
-    let (names, bytes) = (list(&shard["report"]["files"]), list(&shard["bytes"]));
-    let file = |(name, bytes): (&Value, &Value)| Some((name.as_str()?.to_owned(), bytes.as_u64()?));
-    names.iter().zip(&bytes).filter_map(file).collect()
+    let names = list(&shard["report"]["files"]);
+    let (bytes, digests) = (list(&shard["bytes"]), list(&shard["digests"]));
+    let file = |((name, bytes), digest): ((&Value, &Value), &Value)| {
+        let (name, digest) = (name.as_str()?.to_owned(), digest.as_str()?.to_owned());
+        Some(ToldFile { name, bytes: bytes.as_u64()?, digest })
+    };
+    names.iter().zip(&bytes).zip(&digests).filter_map(file).collect()
 }
 
 /// Why reports of shards cannot be merged.
@@ -188,9 +206,11 @@ fn everybody(shards: &[Read], in_all: usize) -> Result<Vec<Value>, MergeError> {
 
 fn read<'a>(name: &'a str, value: &'a Value) -> Option<Read<'a>> {
     let number = |value: &Value| usize::try_from(value.as_u64()?).ok();
-    let [shard, of, characters, in_all, options, bytes, common, report] = KEYS.map(|key| value.get(key));
+    let [shard, of, characters, in_all, options, bytes, digests, common, report] =
+        KEYS.map(|key| value.get(key));
     let report = report?.as_object()?;
-    if bytes?.as_array()?.len() != items(report, "files").count() {
+    let files = items(report, "files").count();
+    if bytes?.as_array()?.len() != files || digests?.as_array()?.len() != files {
         return None;
     }
     Some(Read {
@@ -327,7 +347,7 @@ mod tests {
             "timing_ms": {"export": 1.5},
         });
         let own = characters.iter().map(|who| CharacterId(*who)).collect();
-        let files = ShardFiles { options: String::new(), bytes: vec![1] };
+        let files = ShardFiles { options: String::new(), bytes: vec![1], digests: vec!["00".to_owned()] };
         (format!("shard {number}"), shard_report(Shard { number, of }, &own, 3, files, report))
     }
 

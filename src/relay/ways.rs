@@ -114,23 +114,17 @@ fn frame((_, held): Held<'_>) -> f64 {
 }
 
 /// Frames of waiting for which what `takes` says comes to `needed` frames, or as near as may be. Where clips are cut hangs a little on
-/// how long they are: some tries.
+/// how long they are: those about the length that would do without that are tried.
 fn fitting_wait(needed: f64, mut takes: impl FnMut(usize) -> f64) -> usize {
-    const TRIES: usize = 6;
-    let mut wait = SHORTEST_WAIT;
-    let mut best = (f64::INFINITY, wait);
-    for _ in 0..TRIES {
-        let missed = needed - takes(wait);
-        if missed.abs() < best.0 {
-            best = (missed.abs(), wait);
-        }
-        let next = floor_index((wait as f64 + missed).max(SHORTEST_WAIT as f64));
-        if next == wait {
-            break;
-        }
-        wait = next;
-    }
-    best.1
+    /// Frames, either way.
+    const ABOUT: f64 = 15.0;
+    let shortest = SHORTEST_WAIT as f64;
+    let about = shortest + needed - takes(SHORTEST_WAIT);
+    let from = floor_index((about - ABOUT).max(shortest));
+    let to = floor_index((about + ABOUT).max(shortest));
+    let missed = |wait: usize| ((needed - takes(wait)).abs(), wait);
+    let best = (from..=to).map(missed).min_by(|one, other| one.0.total_cmp(&other.0));
+    best.map_or(SHORTEST_WAIT, |(_, wait)| wait)
 }
 
 /// Who is back waits no less, frames.
@@ -141,8 +135,14 @@ const SHORTEST_WAIT: usize = 30;
 pub fn wait_seconds(frames: usize) -> Vec<f64> {
     let whole = (frames / SECOND).saturating_sub(1);
     let more = hundredths((frames - whole * SECOND) as f64 / FPS);
-    if whole == 0 { vec![more] } else { vec![whole as f64, more] }
+    let mut all = vec![LONGEST_WAIT as f64; whole / LONGEST_WAIT];
+    all.extend((whole % LONGEST_WAIT > 0).then_some((whole % LONGEST_WAIT) as f64));
+    all.push(more);
+    all
 }
+
+/// No clip of waiting is longer, seconds; who waits longer performs several.
+const LONGEST_WAIT: usize = 600;
 
 /// Frames.
 const SECOND: usize = 30;
@@ -166,5 +166,27 @@ impl Made {
         let name = wait_name(seconds);
         let made = || Arc::new(act(&name, "idle", &[("seconds", seconds)], &[]));
         Arc::clone(self.0.entry(name.clone()).or_insert_with(made))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::relay::{Along, Relay, relay};
+
+    #[test]
+    fn waits_are_made_of_clips_to_the_frame() {
+        assert_eq!(wait_seconds(30), [1.0]);
+        assert_eq!(wait_seconds(59), [1.97]);
+        assert_eq!(wait_seconds(97), [2.0, 1.23]);
+        assert_eq!(wait_seconds(601 * SECOND), [600.0, 1.0]);
+        assert_eq!(wait_seconds(1300 * SECOND + 1), [600.0, 600.0, 99.0, 1.03]);
+    }
+
+    #[test]
+    fn who_waits_longer_than_any_clip_performs_several() {
+        let asked = Relay { disturbers: Some(0), boxes: 2, along: Along::Line, ..Relay::of(160) };
+        let scene = relay(&asked, "a test").expect("it fits");
+        assert!(scene.contains("\"wait 600\", \"wait "), "80 carriers take some 700 s");
     }
 }

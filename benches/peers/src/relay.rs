@@ -11,7 +11,7 @@ use cotillion::edit::{Backend, EditError, Editor};
 use cotillion::graph::motion_graph;
 use cotillion::graph::scene::{graph_settings, scene_clips};
 use cotillion::index::ConstraintId;
-use cotillion::relay::{Along, Disturbance, Relay, RelayError, relay};
+use cotillion::relay::{Along, Relay, RelayError, relay};
 use cotillion::scene::{ClipFolders, Scene, SceneFaults, load_text};
 use cotillion_solvers::{CsMat, KktError, KktForm, LeastSquares, RowMatrix, analyse, c64};
 use std::path::Path;
@@ -58,17 +58,11 @@ impl From<EditError> for Unmeasured {
 /// The relay of `characters` along a spiral, a box for each ten of them: for 78, that of `scenes/relay_78.toml`.
 pub fn spiral(characters: usize, discrete: bool) -> Relay {
     Relay {
-        characters,
-        disturbers: None,
         boxes: characters.div_ceil(10),
-        spacing: None,
-        heights: (1.64, 1.86),
-        phase: 0.3,
-        disturbances: Disturbance::ALL.to_vec(),
         discrete,
         drag: Some(FAR),
-        seed: 1,
         along: Along::Spiral,
+        ..Relay::of(characters)
     }
 }
 
