@@ -135,8 +135,9 @@ const SHORTEST_WAIT: usize = 30;
 pub fn wait_seconds(frames: usize) -> Vec<f64> {
     let whole = (frames / SECOND).saturating_sub(1);
     let more = hundredths((frames - whole * SECOND) as f64 / FPS);
-    let mut all = vec![LONGEST_WAIT as f64; whole / LONGEST_WAIT];
-    all.extend((whole % LONGEST_WAIT > 0).then_some((whole % LONGEST_WAIT) as f64));
+    let (longest, rest) = (whole / LONGEST_WAIT, whole % LONGEST_WAIT);
+    let mut all = vec![LONGEST_WAIT as f64; longest];
+    all.extend((rest > 0).then_some(rest as f64));
     all.push(more);
     all
 }
