@@ -228,9 +228,9 @@ impl DiscreteEditor {
         let mut entry = self.entry(candidate, occasion, (before, before));
         let track = self.editor.scene().characters[character.as_usize()].track.clone();
         let Some(scene) = spliced(self.editor.scene(), *character, splice, *keep) else { return false };
-        let Ok(mut next) = Editor::of(scene, self.settings.backend) else { return false };
-        next.adopt_bodies(&self.editor, *character);
-        if next.solve().is_err() {
+        let mut next = Editor::assemble(scene, self.settings.backend);
+        next.adopt(&self.editor, *character);
+        if next.factor().is_err() || next.solve().is_err() {
             return false;
         }
         let before_it = std::mem::replace(&mut self.editor, next);

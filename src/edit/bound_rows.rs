@@ -4,7 +4,7 @@ use cotillion_solvers::PointRow;
 
 use crate::constraint::Strength;
 use crate::edit::columns::Freedom;
-use crate::edit::hold::{Prepared, Term};
+use crate::edit::hold::{Hold, Prepared, Term};
 use crate::edit::settings::{RunMode, SpatialSettings};
 use crate::geometry::c64;
 
@@ -25,19 +25,65 @@ impl BoundRows {
     pub fn new(freedom: Freedom, held: &[Prepared], settings: &SpatialSettings) -> Self {
         let counts: Vec<usize> = freedom.paths.iter().map(|path| path.len()).collect();
         let rigid = settings.runs == RunMode::Rigid;
-        let bound = held.iter().enumerate().filter(|(_, prepared)| prepared.binds(freedom.phase, rigid));
-        let (places, bound): (Vec<usize>, Vec<&Prepared>) = bound.unzip();
-        let mut rows = Self {
-            weights: bound.iter().map(|prepared| weight_of(prepared)).collect(),
-            held: places,
-            ends: Vec::with_capacity(bound.len()),
-            terms: Vec::with_capacity(TERMS * bound.len()),
-        };
-        for prepared in bound {
-            prepared.add_terms((freedom.phase, settings.relative), &counts, &mut rows.terms);
-            rows.ends.push(rows.terms.len());
+        let mut rows = Self::with_room(held.len());
+        for (place, prepared) in held.iter().enumerate() {
+            if prepared.binds(freedom.phase, rigid) {
+                prepared.add_terms((freedom.phase, settings.relative), &counts, &mut rows.terms);
+                rows.push(place, weight_of(prepared));
+            }
         }
         rows
+    }
+
+    /// The same rows of `held` in place of `before`, of which these are, with path `path` exchanged for that of `freedom`; `None` where
+    /// more changes than terms and weights on that path. Cost: linear in rows; those that stay are copied.
+    pub fn with_path(
+        &self,
+        (path, freedom): (usize, Freedom),
+        (held, before): (&[Prepared], &[Prepared]),
+        settings: &SpatialSettings,
+    ) -> Option<Self> {
+        let counts: Vec<usize> = freedom.paths.iter().map(|path| path.len()).collect();
+        let rigid = settings.runs == RunMode::Rigid;
+        let mut rows = Self::with_room(self.len());
+        for (place, prepared) in held.iter().enumerate() {
+            let row = rows.len();
+            let was_bound = self.held.get(row) == Some(&place);
+            if was_bound && stays(path, prepared, before.get(place)?) {
+                rows.terms.extend_from_slice(self.terms(row));
+                rows.push(place, self.weight(row));
+                continue;
+            }
+            let binds = prepared.binds(freedom.phase, rigid);
+            if binds != was_bound {
+                return None;
+            }
+            if binds {
+                prepared.add_terms((freedom.phase, settings.relative), &counts, &mut rows.terms);
+                rows.push(place, weight_of(prepared));
+                let (new, old) = ((rows.terms(row), rows.weight(row)), (self.terms(row), self.weight(row)));
+                if !differ_on(path, new, old) {
+                    return None;
+                }
+            }
+        }
+        (rows.len() == self.len()).then_some(rows)
+    }
+
+    fn with_room(count: usize) -> Self {
+        Self {
+            held: Vec::with_capacity(count),
+            weights: Vec::with_capacity(count),
+            ends: Vec::with_capacity(count),
+            terms: Vec::with_capacity(TERMS * count),
+        }
+    }
+
+    /// Ends a row whose terms were put down.
+    fn push(&mut self, place: usize, weight: Option<f64>) {
+        self.held.push(place);
+        self.weights.push(weight);
+        self.ends.push(self.terms.len());
     }
 
     /// How many.
@@ -69,11 +115,19 @@ impl BoundRows {
     pub fn point_row(&self, row: usize) -> PointRow<c64> {
         PointRow { terms: self.terms(row).to_vec(), weight: self.weights[row] }
     }
+}
 
-    /// Whether `other` has the same rows but for their terms and weights on a path.
-    pub fn differ_on(&self, path: usize, other: &Self) -> bool {
-        self.held == other.held && self.iter().zip(other.iter()).all(|(new, old)| differ_on(path, new, old))
-    }
+/// Whether a row has the terms and the weight of the one before it: it says the same of the same instants of other paths than
+/// `path`, but for the points where somebody is to be.
+fn stays(path: usize, now: &Prepared, before: &Prepared) -> bool {
+    let (places, hold) = (now.row.hold.places(), now.row.hold);
+    let at_a_point = matches!(hold, Hold::Position { .. } | Hold::Beside { .. });
+    let same_kind = std::mem::discriminant(&hold) == std::mem::discriminant(&before.row.hold);
+    (hold == before.row.hold || at_a_point && same_kind && places == before.row.hold.places())
+        && places.iter().flatten().all(|place| place.path != path)
+        && (now.at, now.to) == (before.at, before.to)
+        && (now.body_only, now.partner_row) == (before.body_only, before.partner_row)
+        && (now.row.constraint, now.row.strength) == (before.row.constraint, before.row.strength)
 }
 
 /// Terms that a row has about.

@@ -136,9 +136,15 @@ impl Editor {
         }
     }
 
-    /// Takes over what `other` knows of bodies: an editor of a scene in which nobody but `changed` has another track.
-    pub fn adopt_bodies(&mut self, other: &Self, changed: CharacterId) {
+    /// Takes over what `other` knows of bodies, and orders of elimination where patterns are the same: an editor of a scene in which
+    /// nobody but `changed` has another track. Nothing solved is different for it.
+    pub fn adopt(&mut self, other: &Self, changed: CharacterId) {
         self.hands.adopt(&other.hands, changed);
+        for (group, before) in self.spatial.iter_mut().zip(&other.spatial) {
+            if group.characters == before.characters {
+                group.component.adopt(&before.component);
+            }
+        }
     }
 
     /// The second half of [`Editor::new`]; [`Editor::solve`] does it where it was not done.

@@ -129,6 +129,14 @@ impl Hold {
         }
     }
 
+    /// All instants that it names.
+    pub fn places(&self) -> [Option<Place>; 3] {
+        match self {
+            Self::Beside { at, to, from, .. } => [Some(*at), Some(*to), Some(*from)],
+            _ => [Some(self.at()), self.to(), None],
+        }
+    }
+
     /// The path of the partner, where there is one.
     pub fn partner(&self) -> Option<usize> {
         match self {

@@ -230,19 +230,18 @@ impl PhaseSolver {
         self.reduced.as_ref()?.response(path)
     }
 
-    /// The same with another path `path`, that of `freedom`, which is `own`, and the rows `held` on it, factored by an update; `None` where
-    /// more would change than that path. `response`: of the path in this system. `before`: the same in an earlier system, whose
+    /// The same with another path `path`, that of `freedom`, which is `own`, and the rows `held` in place of the present ones, which come
+    /// second, factored by an update; `None` where more would change than that path. `response`: of the path in this system. `before`: the same in an earlier system, whose
     /// work is taken over where it is the same.
     pub fn exchanged(
         &self,
         (path, freedom, own): (usize, Freedom, &OwnPath),
-        held: &[Prepared],
+        held: (&[Prepared], &[Prepared]),
         settings: &SpatialSettings,
         (response, before): (&PathResponse, Option<&Self>),
     ) -> Option<Self> {
         let reduced = self.reduced.as_ref().filter(|_| self.dependent.is_empty())?;
-        let rows =
-            Some(BoundRows::new(freedom, held, settings)).filter(|rows| rows.differ_on(path, &self.rows))?;
+        let rows = self.rows.with_path((path, freedom), held, settings)?;
         let (springs, before) =
             (own.springs(freedom.phase, settings)?, before.and_then(|before| before.reduced.as_ref()));
         let reduced = reduced.exchanged((path, freedom), springs, &rows, (response, before))?;

@@ -189,6 +189,12 @@ impl SpatialComponent {
         (self.shape, self.scale) = (shape, scale);
     }
 
+    /// Takes over orders of elimination of a group with the same rows, where patterns are the same.
+    pub fn adopt(&mut self, before: &Self) {
+        self.shape.adopt(&before.shape);
+        self.scale.adopt(&before.scale);
+    }
+
     fn assembled(&self, released: &[(usize, usize)]) -> [PhaseSolver; 2] {
         assemble_both((&self.rests, &self.samplings), &self.held, (&self.settings, self.backend), released)
     }

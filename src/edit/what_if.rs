@@ -58,7 +58,7 @@ pub fn exchanged(
     let (all, rows) = (rests.as_slice(), held.as_slice());
     let own = (path, freedom((all, &[]), Phase::Shape, &settings, &[]), &**other);
     let known = before.as_ref().map(|before| &before.shape);
-    let shape = group.shape.exchanged(own, rows, &settings, (&response.phases[0], known))?;
+    let shape = group.shape.exchanged(own, (rows, &group.held), &settings, (&response.phases[0], known))?;
     let mut segments = group.segments.clone();
     segments[path] = Arc::clone(&other.segments);
     let mut own_chords = group.chords.clone();
@@ -127,8 +127,12 @@ pub fn complete(
     let settings = own.settings;
     let freedom = freedom((&own.rests, &[]), Phase::Scale, &settings, &[]);
     let path = (response.path, freedom, other);
-    let mut scale =
-        group.scale.exchanged(path, &own.held, &settings, (&response.phases[1], Some(&own.scale)))?;
+    let mut scale = group.scale.exchanged(
+        path,
+        (&own.held, &group.held),
+        &settings,
+        (&response.phases[1], Some(&own.scale)),
+    )?;
     scale.bent = own.scale.bent.take();
     own.scale = scale;
     set_effort(own, effort);
