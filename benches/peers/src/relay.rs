@@ -20,6 +20,9 @@ use std::sync::Arc;
 /// Updates of a drag.
 pub const UPDATES: usize = 40;
 
+/// So often the drag is repeated: of each update the median counts, which interruptions leave alone.
+const DRAGS: usize = 3;
+
 /// How far the end is dragged, metres.
 const FAR: f64 = 10.0;
 
@@ -281,7 +284,7 @@ pub struct Measured {
     pub characters: usize,
     /// The best of each library on each system, and medians of its runs.
     pub peers: Vec<Raced>,
-    /// Seconds of each update without changes.
+    /// Seconds of each update without changes, medians of all drags.
     pub plain: Vec<f64>,
     /// Seconds, candidates and whether one happened, of each update with changes.
     pub discrete: Vec<(f64, usize, bool)>,
@@ -304,20 +307,27 @@ pub fn measure(characters: usize, libraries: &[Library], budget: f64) -> Result<
         }
         problems.push(posed);
     }
-    let (mut plain, mut discrete) = (dragged.plain()?, dragged.discrete()?);
-    let mut updates = (Vec::new(), Vec::new());
-    for step in 1..=UPDATES {
-        for (problem, _, configuration, runs) in &mut entrants {
-            runs.extend(run_peer(&problems[*problem], configuration));
+    let mut updates = (vec![Vec::new(); UPDATES], vec![Vec::new(); UPDATES]);
+    for _ in 0..DRAGS {
+        let (mut plain, mut discrete) = (dragged.plain()?, dragged.discrete()?);
+        for step in 1..=UPDATES {
+            for (problem, _, configuration, runs) in &mut entrants {
+                runs.extend(run_peer(&problems[*problem], configuration));
+            }
+            updates.0[step - 1].push(plain.update(step)?);
+            updates.1[step - 1].push(discrete.update(step)?);
         }
-        updates.0.push(plain.update(step)?);
-        updates.1.push(discrete.update(step)?);
     }
     let raced = entrants.into_iter().map(|(_, (system, size), configuration, runs)| {
         let run = summary(&runs, Statistic::Median);
         Raced { system, size, configuration, run }
     });
-    Ok(Measured { characters, peers: raced.collect(), plain: updates.0, discrete: updates.1 })
+    let plain = updates.0.iter_mut().map(|same| median(same)).collect();
+    let typical = |same: &Vec<(f64, usize, bool)>| {
+        (median(&mut same.iter().map(|update| update.0).collect::<Vec<_>>()), same[0].1, same[0].2)
+    };
+    let discrete = updates.1.iter().map(typical).collect();
+    Ok(Measured { characters, peers: raced.collect(), plain, discrete })
 }
 
 /// The quickest configuration of each field of a library from nothing to a solution, among the accurate ones.
