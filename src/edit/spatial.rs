@@ -346,7 +346,7 @@ impl SpatialComponent {
         let solved = self.scale.solve(freedom, &self.settings);
         solved.map_err(|error| SpatialError::Solver(Phase::Scale, error))?;
         (self.energy.scale, self.energy.scale_soft) = self.scale.energies();
-        self.alike.energy = self.energy_apart();
+        self.alike.energy = if like.is_some() { self.energy_apart() } else { 0.0 };
         // Of what targets that are off leave, only the energy with its residuals has a bound.
         let told = self.alike.energy == 0.0;
         if told && self.energy.shape + self.energy.shape_soft + self.energy.scale > most {

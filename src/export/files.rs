@@ -202,6 +202,11 @@ impl Pending {
     }
 }
 
+/// Two digits a byte.
+pub(super) fn hexadecimal(bytes: &[u8]) -> String {
+    bytes.iter().map(|byte| format!("{byte:02x}")).collect()
+}
+
 /// SHA-256 of a file, in hexadecimal digits. Cost: one pass over it.
 ///
 /// # Errors
@@ -211,7 +216,7 @@ pub fn digest(path: &Path) -> io::Result<String> {
     let (mut digest, mut some) = (Sha256::new(), vec![0; 1 << 16]);
     loop {
         match file.read(&mut some)? {
-            0 => return Ok(digest.finalize().iter().map(|byte| format!("{byte:02x}")).collect()),
+            0 => return Ok(hexadecimal(&digest.finalize())),
             count => digest.update(&some[..count]),
         }
     }

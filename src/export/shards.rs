@@ -6,6 +6,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use serde_json::{Map, Value};
 use sha2::{Digest, Sha256};
 
+use crate::export::files::hexadecimal;
 use crate::export::parts::Part;
 use crate::index::CharacterId;
 
@@ -73,7 +74,7 @@ pub fn shard_report(
             }
         }
     }
-    let common = digest.finalize().iter().map(|byte| format!("{byte:02x}")).collect::<String>();
+    let common = hexadecimal(&digest.finalize());
     let values: [Value; 9] = [
         shard.number.into(),
         shard.of.into(),
